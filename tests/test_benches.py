@@ -13,10 +13,10 @@ from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import load_scene
-from tactus.verify.benches.collected import BENCHES, CASES, blocks_of
+from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
-from tactus.verify.sign_off.current import stale_records
+from tactus.verify.sign_off.record import stale_records
 from tactus.verify.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -46,7 +46,8 @@ def proved(block: str, case: str) -> bool:
 PAIRS = [
     pytest.param(block, case, marks=[] if recorded(block, case) else [pytest.mark.all_only])
     for case in CASES
-    for block in sorted(blocks_of(case))
+    for block in sorted(BENCHES)
+    if case in CASES_OF[block]
     if recorded(block, case) or not (case in LEFT or proved(block, case))
 ]
 

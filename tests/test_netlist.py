@@ -15,8 +15,7 @@ from tactus.verify.sign_off.cell_models import models_for
 from tactus.verify.sign_off.netlist import FAMILIES, chosen, on_cells
 from tactus.verify.sign_off.netlist_record import played
 from tactus.verify.sign_off.record import read_record
-from tactus.verify.sign_off.unknown import UNKNOWN, Netlist
-from tactus.verify.sign_off.unknown_proof import clocks_to_prove
+from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

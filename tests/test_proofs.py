@@ -8,9 +8,9 @@ import pytest
 from shared import Shared
 
 from golden.input_error import InputError
+from tactus.verify.benches.collected import PROOFS, properties_of
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off import record
-from tactus.verify.sign_off.proofs import PROOFS, properties_of
 from tactus.verify.sign_off.prove import check_record, command, entities, settle
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import chosen_blocks

@@ -5,16 +5,22 @@ from dataclasses import replace
 import pytest
 from shared import Shared
 
-from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.collected import BENCHES, PROOFS
 from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off import coverage, equal, prove
 from tactus.verify.sign_off.coverage import named_by
-from tactus.verify.sign_off.current import COMMANDS, another_trace, of_this_verilog, stale_records
 from tactus.verify.sign_off.netlist_record import KIND as NETLIST
-from tactus.verify.sign_off.netlist_record import SCENES, Entity
-from tactus.verify.sign_off.proofs import PROOFS
-from tactus.verify.sign_off.record import read_record, records, short
-from tactus.verify.sign_off.source import verilog
+from tactus.verify.sign_off.netlist_record import SCENES, families_of
+from tactus.verify.sign_off.record import (
+    COMMANDS,
+    another_trace,
+    of_this_verilog,
+    read_record,
+    records,
+    short,
+    stale_records,
+    verilog,
+)
 from tactus.verify.sign_off.subject import recorded_cases
 from tactus.verify.sign_off.unknown import UNKNOWN
 
@@ -62,7 +68,7 @@ def test_records_of_a_block_are_of_this_source(shared: Shared, block: str) -> No
     jobs += [job for name in SCENES for job in shared.jobs(name, "icarus") if job.block == block]
     expected: dict[str, set[str]] = {}
     for job in jobs:
-        expected.setdefault(short(verilog(job)), set(Entity(job, "").families()))
+        expected.setdefault(short(verilog(job)), set(families_of(job)))
     assert found == expected, again
 
 

@@ -55,14 +55,14 @@ class Benches:
             "is_current": lambda *_: self.current,
             "plan": lambda *_: self.planned,
             "jobs": lambda _, simulator: [j for j in self.planned if j.simulator == simulator],
-            "run_jobs": self.one_by_one,
+            "run_shown": self.one_by_one,
         }
         for name, fake in fakes.items():
             monkeypatch.setattr(results, name, fake)
         monkeypatch.setattr(kept_results, "run_job", self.run)
 
     def one_by_one(
-        self, jobs: list[Job], tell: Callable[[Outcome], None], work: Callable[[Job], Outcome]
+        self, _: str, jobs: list[Job], work: Callable[[Job], Outcome], every: bool
     ) -> list[Outcome]:
         return [work(job) for job in jobs]
 

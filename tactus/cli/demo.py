@@ -45,7 +45,7 @@ from tactus.verify.benches.results import left_texts, simulate
 from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import SIMULATORS, language, simulator_versions
 from tactus.verify.every_frame.verdict import DIFFERS, SAID
-from tactus.verify.kept import proof_line
+from tactus.verify.prove import proof_line
 
 
 def twin_speed(scene: Scene) -> float:

@@ -54,26 +54,33 @@ class Heartbeat:
 
 
 @contextmanager
-def stage(what: str, stream: TextIO | None = None, quick: bool = False) -> Iterator[None]:
+def stage(
+    what: str | Callable[[], str],
+    stream: TextIO | None = None,
+    quick: bool = False,
+    pause: float = PAUSE,
+) -> Iterator[None]:
     """Print what the block does, and every few seconds that it is still running.
 
-    what: Description of the work, such as ``digit: exporting``.
+    what: Description of the work, such as ``digit: exporting``; or gives it anew for each line.
     stream: Standard output by default.
     quick: Whether the work is usually done before the first of these lines, so that nothing is
         printed at its beginning.
+    pause: So many seconds are between two lines.
     """
     out = stream or sys.stdout
+    said = what if callable(what) else lambda: what
     began = printed = time.monotonic()
 
     def beat() -> None:
         nonlocal printed
         now = time.monotonic()
-        if now - printed >= PAUSE:
+        if now - printed >= pause:
             printed = now
-            print(f"{what}, {duration(now - began)}", file=out, flush=True)
+            print(f"{said()}, {duration(now - began)}", file=out, flush=True)
 
     if not quick:
-        print(what, file=out, flush=True)
+        print(said(), file=out, flush=True)
     with Heartbeat(beat):
         yield
 

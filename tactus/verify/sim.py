@@ -8,6 +8,7 @@ Benches run on the exported VHDL and Verilog, or on the netlist that ``--netlist
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,10 +18,10 @@ from tactus.core.cli import dry, run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
-from tactus.core.progress import Progress, stage
+from tactus.core.progress import stage
 from tactus.verify.benches.kept_results import run_and_keep
 from tactus.verify.benches.places import Place, places
-from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_jobs, tell
+from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
 from tactus.verify.sign_off.netlist import NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tactus.verify.sign_off.netlist_record import record
@@ -39,7 +40,7 @@ def main() -> int:
     if arguments.record:
         if not arguments.netlist:
             raise InputError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
-        return conclude(record(arguments.netlist, arguments.block, tell))
+        return conclude(record(arguments.netlist, arguments.block))
     families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
     simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
     for simulator in simulators:
@@ -71,26 +72,17 @@ def simulate(
     jobs: list[Job] = []
     for place in found:
         with stage(f"{place.scene.name}: exporting, and compiling"):
-            planned = plan(
-                place.scene,
-                simulators,
-                arguments.block,
-                arguments.seed,
-                arguments.waves,
-                frames=arguments.frames or FRAMES,
-            )
+            planned = [
+                replace(
+                    job,
+                    seed=arguments.seed,
+                    waves=arguments.waves,
+                    frames=arguments.frames or FRAMES,
+                )
+                for job in plan(place.scene, simulators, arguments.block)
+            ]
             jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
-    with Progress("simulating", len(jobs), "benches") as progress:
-
-        def listen(outcome: Outcome) -> None:
-            tell(outcome, progress.say)
-            progress.step()
-
-        def work(job: Job) -> Outcome:
-            with progress.running(f"{job.entity} on {job.runs_on}"):
-                return run_and_keep(job)
-
-        outcomes = run_jobs(jobs, listen, work=work)
+    outcomes = run_shown("simulating", jobs, run_and_keep)
     if arguments.waves:
         for outcome in outcomes:
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):

@@ -42,7 +42,7 @@ from tactus.sizing.model import CELLS
 from tactus.verify.benches.results import left_texts, stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
-from tactus.verify.kept import proof_line
+from tactus.verify.prove import proof_line
 
 
 def content(scene: Scene, tell: Progress) -> Page:

@@ -1,44 +1,54 @@
-"""The benches of ``tb``, and the cases that they name."""
+"""The benches of ``tb``, the cases that they name, and the properties of every block.
 
+Properties stand in the bench of a block or, where they are many, in ``prove_<block>.py``. There
+those of its parts stand, too: in ``OF_PARTS``, by the part's name.
+"""
+
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
+from golden.common.block import Block, parts_of
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import BUILD
 from tactus.scene import Scene
+from tactus.verify.benches.runner import Job
 from tactus.verify.benches.written import scene_of
 from tb.common.cases import Case
+from tb.common.properties import Property
 
 BENCHES = {
     path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
 }
 # For each block: the names of its cases.
-CASES_OF: dict[str, list[str]] = {
-    block: list(getattr(bench, "CASES", {})) for block, bench in BENCHES.items()
+CASES_OF: dict[str, Callable[[Any], list[Property]]] = {
+    name: module.properties for name, module in PROOFS.items()
+} | {
+    name: make
+    for module in PROOFS.values()
+    for name, make in getattr(module, "OF_PARTS", {}).items()
 }
 
 
-def every_case() -> dict[str, Case]:
-    """All cases by name. If two benches use a name, it must be for the same case."""
-    found: dict[str, Case] = {}
-    for block, bench in BENCHES.items():
-        for name, case in getattr(bench, "CASES", {}).items():
-            if found.setdefault(name, case) != case:
-                raise ValueError(f"tb_{block}.py: CASES: {name} is another case elsewhere")
-    return found
+def properties_of(job: Job) -> list[Property]:
+    """The properties to prove of an entity, for its twin; none where none are written."""
+    return _OF[job.block](job.twin) if job.block in _OF else []
 
 
-CASES = every_case()
+def mutated_parts(twin: Block) -> list[str]:
+    """The parts that are mutated with a block: all but those of which a property says everything.
+
+    Whatever changes what such a part does violates the property.
+    """
+    return [
+        part.entity
+        for part in parts_of(twin)
+        if not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
+    ]
 
 
-def blocks_of(case: str) -> set[str]:
-    """The blocks whose benches name a case."""
-    return {block for block, names in CASES_OF.items() if case in names}
-
-
-def case_scene(name: str, build: Path = BUILD) -> Scene:
-    """The scene of a case, written below ``build``."""
-    folder = build / "cases"
-    folder.mkdir(parents=True, exist_ok=True)
-    return scene_of(CASES[name], folder, name)
+def proof_file(block: str) -> Path:
+    """Where the properties of a block stand."""
+    return Path(str(PROOFS[block].__file__))

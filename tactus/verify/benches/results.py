@@ -13,11 +13,11 @@ from typing import Any
 from golden.common.block import walk
 from golden.networks.network import Network
 from tactus.core.folders import BUILD
-from tactus.core.progress import Progress, stage
+from tactus.core.progress import stage
 from tactus.export.stamp import is_current
 from tactus.scene import Scene
 from tactus.verify.benches.kept_results import bench_key, kept, run_and_keep
-from tactus.verify.benches.runner import Job, Outcome, jobs, plan, run_jobs, scene_variable, tell
+from tactus.verify.benches.runner import Job, Outcome, jobs, plan, run_shown, scene_variable
 from tactus.verify.benches.tools import SIMULATORS, language
 
 
@@ -108,19 +108,12 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
         keys = {job.folder: bench_key(job) for job in asked}
         stored = {job.folder: o for job in asked if (o := kept(job, keys[job.folder]))}
     missing = [job for job in asked if job.folder not in stored]
-    with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
-
-        def listen(outcome: Outcome) -> None:
-            """Print a line for each failure."""
-            if not outcome.passed:
-                tell(outcome, progress.say)
-            progress.step()
-
-        def work(job: Job) -> Outcome:
-            with progress.running(f"{job.entity} on {job.runs_on}"):
-                return run_and_keep(job, keys[job.folder])
-
-        ran = run_jobs(missing, listen, work=work)
+    ran = run_shown(
+        f"{scene.name}: simulating",
+        missing,
+        lambda job: run_and_keep(job, keys[job.folder]),
+        every=False,
+    )
     found = stored | {outcome.job.folder: outcome for outcome in ran}
     return _results(scene, [found[job.folder] for job in asked], len(stored), asked, planned)
 

@@ -25,6 +25,7 @@ from tactus.core.cli import HASH_SEED
 from tactus.core.files import check_room, replace_folder, writing
 from tactus.core.fingerprint import ROOT, fingerprint
 from tactus.core.folders import BUILD
+from tactus.core.progress import Progress
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
 from tactus.verify.benches.places import check_block
@@ -191,10 +192,7 @@ def plan(
     scene: Scene,
     simulators: Iterable[str],
     block: str | None = None,
-    seed: int = SEED,
-    waves: bool = False,
     build: Path = BUILD,
-    frames: int = FRAMES,
 ) -> list[Job]:
     """Export what is needed, and list the jobs for every entity of ``block`` or of all blocks."""
     simulators = list(simulators)
@@ -206,19 +204,12 @@ def plan(
     return [
         job
         for simulator in simulators
-        for job in jobs(scene, simulator, seed, waves, build, frames)
+        for job in jobs(scene, simulator, build)
         if block in (None, job.block)
     ]
 
 
-def jobs(
-    scene: Scene,
-    simulator: str,
-    seed: int = SEED,
-    waves: bool = False,
-    build: Path = BUILD,
-    frames: int = FRAMES,
-) -> list[Job]:
+def jobs(scene: Scene, simulator: str, build: Path = BUILD) -> list[Job]:
     """The jobs of every entity of a scene that is exported into ``build``, the largest first.
 
     So the last job to finish is a short one. Parts of blocks have none.
@@ -235,10 +226,7 @@ def jobs(
             entry["area"],
             _needed(order, manifest, parts[entry["entity"]]),
             simulator,
-            seed,
-            waves,
-            build,
-            frames,
+            build=build,
         )
         for entry in reversed(manifest)
         if not parts[entry["entity"]].part_of
@@ -372,16 +360,12 @@ def _covered(job: Job, coverage: Counts) -> bool:
     return not lacking
 
 
-def scene_argument(scene: Scene) -> str:
-    """What SCENE= names it by: a shipped scene by its folder, any other by its file."""
+def scene_variable(scene: Scene) -> str:
+    """SCENE= as a shell takes it: a shipped scene by its folder, any other by its file."""
     folder = scene.path.parent
     name = folder.relative_to(FOLDER).as_posix() if folder.is_relative_to(FOLDER) else ""
-    return name if name and scene.path == scene_path(name) else str(scene.path)
-
-
-def scene_variable(scene: Scene) -> str:
-    """SCENE= as a shell takes it, for a command that is printed."""
-    return f"SCENE={shlex.quote(scene_argument(scene))}"
+    shipped = name and scene.path == scene_path(name)
+    return f"SCENE={shlex.quote(name if shipped else str(scene.path))}"
 
 
 def run_jobs(
@@ -403,3 +387,25 @@ def run_jobs(
             # After an error, or when the user stops the command, no other job begins.
             pool.shutdown(cancel_futures=True)
     return [future.result() for future in running]
+
+
+def run_shown(
+    title: str,
+    jobs: list[Job],
+    work: Callable[[Job], Outcome],
+    every: bool = True,
+) -> list[Outcome]:
+    """Run all jobs as ``run_jobs`` does, print the progress, and tell ``every`` outcome or only
+    the failures."""
+    with Progress(title, len(jobs), "benches") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            if every or not outcome.passed:
+                tell(outcome, progress.say)
+            progress.step()
+
+        def named(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return work(job)
+
+        return run_jobs(jobs, listen, work=named)

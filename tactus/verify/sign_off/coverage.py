@@ -15,10 +15,8 @@ from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.fingerprint import fingerprint
-from tactus.core.progress import Progress
-from tactus.verify.benches.runner import Outcome, run_job, run_jobs
-from tactus.verify.sign_off.record import write_record
-from tactus.verify.sign_off.source import source
+from tactus.verify.benches.runner import Outcome, run_job, run_shown
+from tactus.verify.sign_off.record import source, write_record
 from tactus.verify.sign_off.subject import (
     cases_line,
     chosen_blocks,
@@ -68,8 +66,7 @@ def count(blocks: list[str], record: bool) -> int:
     """Run the benches of blocks, print what they met, and return the exit code."""
     planned = recorded_subjects(blocks)
     jobs = list(planned.values())
-    with Progress("coverage", len(jobs), "benches") as progress:
-        outcomes = run_jobs(jobs, lambda outcome: progress.step(outcome.job.entity), work=run_job)
+    outcomes = run_shown("coverage", jobs, run_job, every=False)
     failed = [outcome for outcome in outcomes if not outcome.passed]
     for name, outcome in zip(planned, outcomes, strict=True):
         if outcome.passed:

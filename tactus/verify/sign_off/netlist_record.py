@@ -8,9 +8,9 @@ their benches would take hours; their parts run through the whole of theirs.
 """
 
 import os
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from golden.common.block import walk
@@ -19,10 +19,9 @@ from tactus.core.cli import stop_if_dry_run
 from tactus.core.progress import Progress
 from tactus.scene import load_scene
 from tactus.verify.benches.kept_results import run_kept
-from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_jobs
+from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_shown, tell
 from tactus.verify.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
-from tactus.verify.sign_off.record import write_record
-from tactus.verify.sign_off.source import EVERY, source, verilog
+from tactus.verify.sign_off.record import EVERY, source, verilog, write_record
 from tactus.verify.sign_off.subject import (
     chosen_blocks,
     hold_recorded,
@@ -31,8 +30,7 @@ from tactus.verify.sign_off.subject import (
     recorded_subjects,
     subject,
 )
-from tactus.verify.sign_off.unknown import UNKNOWN, Netlist
-from tactus.verify.sign_off.unknown_proof import clocks_to_prove
+from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 
 KIND = "netlist"
 # Scenes whose network is an engine. Those of the rig swing are left out, because their 5000 frames
@@ -50,7 +48,6 @@ PLAYED = {
     "engine": "(recorded)",
     "uart_instrument": "(recorded)",
 }
-Tell = Callable[[Outcome, Callable[[str], None]], None]
 
 
 def played(job: Job) -> Job:
@@ -58,27 +55,23 @@ def played(job: Job) -> Job:
     return replace(job, test=PLAYED.get(job.block, ""))
 
 
-@dataclass(frozen=True)
-class Entity:
-    """An entity that is mapped and played: a job on Verilog, which is a part of ``top``."""
-
-    job: Job
-    top: str
-
-    def families(self) -> list[str]:
-        """The families to whose cells it is mapped; only a whole design is placed."""
-        whole = self.job.entity == self.job.scene.twin().entity
-        return [family for family in FAMILIES if whole or family != ROUTED]
+def families_of(job: Job) -> list[str]:
+    """The families to whose cells an entity is mapped; only a whole design is placed."""
+    whole = job.entity == job.scene.twin().entity
+    return [family for family in FAMILIES if whole or family != ROUTED]
 
 
-def entities(blocks: Collection[str]) -> Iterator[Entity]:
-    """The entities of some blocks that are recorded; one that several scenes share comes once."""
+def entities(blocks: Collection[str]) -> Iterator[tuple[Job, str]]:
+    """The entities of some blocks that are recorded, each with the entity that is mapped with it.
+
+    One that several scenes share comes once.
+    """
     seen = set()
     for block in blocks:
         for case in recorded_cases(block).values():
             job = played(subject(block, NETLISTS_RUN_IN, case=case))
             seen.add(verilog(job))
-            yield Entity(job, job.entity)
+            yield job, job.entity
     for name in SCENES:
         scene = load_scene(name)
         if not any(part.block in blocks for part in walk(scene.twin())):
@@ -87,32 +80,32 @@ def entities(blocks: Collection[str]) -> Iterator[Entity]:
         for job in jobs(scene, NETLISTS_RUN_IN):
             if job.block in blocks and verilog(job) not in seen:
                 seen.add(verilog(job))
-                yield Entity(played(job), scene.twin().entity)
+                yield played(job), scene.twin().entity
 
 
-def record_netlists(blocks: Collection[str], tell: Tell) -> list[Outcome]:
+def record_netlists(blocks: Collection[str]) -> list[Outcome]:
     """Run the benches of some blocks on the netlists of all families, and record the results.
 
     A block of which a bench fails keeps the record that it has.
     """
     runs: dict[str, list[dict[str, Any]]] = {}
     outcomes = []
-    pairs = [(entity, family) for entity in entities(blocks) for family in entity.families()]
+    asked = [(*one, family) for one in entities(blocks) for family in families_of(one[0])]
     with (
         ThreadPoolExecutor(os.cpu_count()) as pool,
-        Progress("simulating", len(pairs), "netlists") as progress,
+        Progress("simulating", len(asked), "netlists") as progress,
     ):
-        for (entity, family), outcome in zip(pairs, pool.map(_run, pairs), strict=True):
+        for (job, _, family), outcome in zip(asked, pool.map(_run, asked), strict=True):
             tell(outcome, progress.say)
-            progress.step(entity.job.entity)
+            progress.step(job.entity)
             outcomes.append(outcome)
-            runs.setdefault(entity.job.block, []).append(
+            runs.setdefault(job.block, []).append(
                 {
-                    "scene": entity.job.scene.name,
-                    "entity": entity.job.entity,
+                    "scene": job.scene.name,
+                    "entity": job.entity,
                     "family": family,
-                    **source(entity.job, outcome.facts["played"]),
-                    "tests": entity.job.test or EVERY,
+                    **source(job, outcome.facts["played"]),
+                    "tests": job.test or EVERY,
                     "compared": outcome.compared,
                     "frames": outcome.facts.get("frames", 0),
                     "passed": outcome.passed,
@@ -124,9 +117,9 @@ def record_netlists(blocks: Collection[str], tell: Tell) -> list[Outcome]:
     return outcomes
 
 
-def _run(pair: tuple[Entity, str]) -> Outcome:
-    entity, family = pair
-    return run_kept(on_cells(entity.job, family, entity.top))
+def _run(asked: tuple[Job, str, str]) -> Outcome:
+    job, top, family = asked
+    return run_kept(on_cells(job, family, top))
 
 
 def record_unknown(job: Job) -> Outcome:
@@ -157,7 +150,7 @@ def record_unknown(job: Job) -> Outcome:
     return outcome
 
 
-def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
+def record(given: str, block: str | None) -> list[Outcome]:
     """Record the netlists that ``NETLIST=`` names, for one block or for all."""
     blocks = chosen_blocks(block)
     every = chosen(given) == list(FAMILIES)
@@ -168,16 +161,10 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
         )
     stop_if_dry_run(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     with hold_recorded(blocks):
-        return record_netlists(blocks, tell) if every else record_unknowns(blocks, tell)
+        return record_netlists(blocks) if every else record_unknowns(blocks)
 
 
-def record_unknowns(blocks: list[str], tell: Tell) -> list[Outcome]:
+def record_unknowns(blocks: list[str]) -> list[Outcome]:
     """Run the benches of some blocks with unknown registers, and record what is compared."""
     subjects = [played(job) for job in recorded_subjects(blocks, NETLISTS_RUN_IN).values()]
-    with Progress("simulating unknown registers of", len(subjects), "entities") as progress:
-
-        def listen(outcome: Outcome) -> None:
-            tell(outcome, progress.say)
-            progress.step(outcome.job.block)
-
-        return run_jobs(subjects, listen, work=record_unknown)
+    return run_shown("unknown registers", subjects, record_unknown)

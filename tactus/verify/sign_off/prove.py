@@ -24,10 +24,9 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import processor_line, processor_minutes
 from tactus.synth.tools import digest
-from tactus.verify.benches.collected import CASES_OF
+from tactus.verify.benches.collected import CASES_OF, PROOFS, proof_file, properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.sign_off.equal import command, prove_equal
-from tactus.verify.sign_off.proofs import PROOFS, proof_file, properties_of
 from tactus.verify.sign_off.record import read_record, short, write_record
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import case_line, chosen_blocks, subject

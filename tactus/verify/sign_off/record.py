@@ -3,6 +3,13 @@
 A kind of record, such as "mutation", is one CSV file with a row for each block or recorded case of
 it, sorted by name. A cell holds one field, as JSON if it is no text, or nothing where the record
 has no such field.
+
+A record says from which source it was made: the Verilog of an entity, and what the bench played on
+it. A bench is identified by its trace and not by its text. The trace says what each test drove, in
+which clocks it looked at which port, and how many results it compared. So a function that moves
+makes no record stale, but another stimulus does. Every run of a bench compares its trace with the
+records. Kept results of benches must be found before the bench runs, so their key holds the bench's
+code instead (``tactus/verify/benches/kept_results.py``).
 """
 
 import csv
@@ -15,6 +22,9 @@ from typing import Any
 from golden.input_error import MissingFileError
 from tactus.core.files import reading, replace_file
 from tactus.core.hold import held
+from tactus.synth.tools import digest
+from tactus.verify.benches.runner import Job, Outcome
+from tactus.verify.sign_off.subject import recorded_cases
 
 RECORDS = Path(__file__).parent / "records"
 NAME = "block"
@@ -92,3 +102,77 @@ def records(kind: str) -> dict[str, dict[str, Any]]:
             row.pop(NAME): {field: _value(cell) for field, cell in row.items() if cell}
             for row in csv.DictReader(file)
         }
+
+
+# This stands in a record if all tests of the bench were played.
+EVERY = "all"
+
+
+def verilog(job: Job) -> str:
+    """A digest of the code in the files of a job, without their comments."""
+    return digest(job.hdl_folder, sorted(job.files))
+
+
+def source(job: Job, played: dict[str, str]) -> dict[str, Any]:
+    """The fields of a record that say from which source it was made.
+
+    job: The entity on its exported Verilog.
+    played: For each test the digest of its trace, as in the facts of an ``Outcome``.
+    """
+    return {"verilog": verilog(job), "played": played}
+
+
+# The command that makes each kind of record anew, if the record depends on a bench.
+COMMANDS = {
+    "coverage": "make coverage BLOCK={} RECORD=1",
+    "mutation": "make mutate BLOCK={} RECORD=1",
+    "netlist": "make sim NETLIST=1 RECORD=1 BLOCK={}",
+    "unknown": "make sim NETLIST=unknown RECORD=1 BLOCK={}",
+}
+
+
+def another_trace(record: dict[str, Any], played: dict[str, str]) -> bool:
+    """Whether a record has another trace than a whole run of the bench.
+
+    record: It has the field ``played``. If not all tests were played, its field ``tests`` names
+        those that were.
+    played: For each test the digest of its trace in this run.
+    """
+    before: dict[str, str] = record["played"]
+    played = short(played)
+    if record.get("tests", EVERY) == EVERY:
+        return before != played
+    return not before or any(played.get(test) != found for test, found in before.items())
+
+
+def stale_records(outcome: Outcome) -> list[str]:
+    """A message for each record that has another trace than this run, with the command to run.
+
+    outcome: The outcome of all tests of the bench, with the default seed and number of frames.
+    """
+    job = outcome.job
+    found = []
+    for kind, command in COMMANDS.items():
+        cases = [recorded(kind, name) for name in recorded_cases(job.block)]
+        of = [
+            run
+            for record in filter(None, cases)
+            for run in record.get("runs", [record])
+            if (run["scene"], run["entity"]) == (job.scene.name, job.entity)
+        ]
+        if any(another_trace(run, outcome.facts["played"]) for run in of):
+            found.append(
+                f"{job.entity} on {job.runs_on}: the record of {kind} is of another trace; "
+                f"run: {command.format(job.block)}"
+            )
+    return found
+
+
+def of_this_verilog(kind: str, name: str, now: str) -> str:
+    """Empty if a record is of the Verilog as it is now; otherwise what is wrong, and the command.
+
+    kind, name: The record; see ``recorded_cases``.
+    now: The digest that ``verilog`` gives for the entity that stands for the block in that case.
+    """
+    found, block = read_record(kind, name)["verilog"], name.partition(".")[0]
+    return "" if found == short(now) else f"of another Verilog; run: {COMMANDS[kind].format(block)}"

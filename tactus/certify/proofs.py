@@ -1,0 +1,218 @@
+"""The proofs of a certificate, as files that Yosys, z3 and Python check without tactus.
+
+Equality: VHDL and Verilog are the same functions; the assumptions are those of
+``tactus.verify.sign_off.equal``.
+
+Properties: Yosys makes one module of each entity (``flatten.ys``), the property is put into it
+(``.sv``), and Yosys writes the transition from one clock to the next as SMT-LIB (``formulas.ys``).
+The questions (``.ask``) unroll this transition, as yosys-smtbmc does: that what is assumed can be;
+that from a reset on nothing fails in the first clocks; and that after so many clocks without a
+fault there is none in the next one. There is a file for each number of clocks, since few are
+quickly answered and are mostly enough. Each expression of a property is a question of its own: a
+graph of adders has hundreds of them, and to all at once z3 has no answer within hours.
+
+Every frame: the prover as one file, and what it proves the delivered hardware to compute.
+"""
+
+import ast
+import json
+import re
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError
+from tactus.export.exporter import compile_order
+from tactus.scene import Scene
+from tactus.verify import every_frame
+from tactus.verify.benches.collected import properties_of
+from tactus.verify.benches.runner import Job, with_parts
+from tactus.verify.every_frame.specify import description
+from tactus.verify.sign_off.equal_gates import dump, read_dump
+from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
+from tactus.verify.sign_off.equal_proof import WRITES, WRITES_TEXT, proof_script
+from tactus.verify.sign_off.solver import FLATTEN, formula_script
+from tb.common.properties import Property
+
+# A comment says from which line of VHDL a gate is.
+_COMMENT = re.compile(r"^ *#.*\n", re.MULTILINE)
+NETLIST = "netlist.txt"
+
+
+def write_equality(folder: Path, top: str) -> None:
+    """Write ``equal`` below a folder that holds ``design``."""
+    vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
+    equal.mkdir()
+    with tempfile.TemporaryDirectory() as work:
+        printed = dump([vhdl / name for name in compile_order(vhdl)], top, Path(work))
+    text = _COMMENT.sub("", printed)
+    modules = read_dump(text)
+    said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
+    files = {NETLIST: text, "ghdl.txt": f"{said.stdout.splitlines()[0]}\n", WRITES: WRITES_TEXT}
+    for file in compile_order(verilog):
+        entity = Path(file).stem
+        source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
+        files[file] = to_verilog(modules[entity], list_lengths(source))
+        proof = proof_script(
+            entity,
+            (verilog / file).read_text(encoding="utf-8"),
+            (f"design/verilog/{file}", f"equal/{file}"),
+            [f"design/verilog/{part}.v" for part in sorted(modules[entity].children())],
+            f"equal/{WRITES}",
+        )
+        files[f"{entity}.ys"] = "\n".join([*proof, ""])
+    for name, text in files.items():
+        (equal / name).write_text(text, encoding="utf-8")
+
+
+def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Property]]:
+    """Write ``properties`` below a folder that holds ``design``; the properties by entity."""
+    written = []
+    place = folder / "properties"
+    place.mkdir()
+    flatten: list[str] = []
+    formulas: list[str] = []
+    for job in {one.entity: one for block in jobs for one in with_parts(block)}.values():
+        items = properties_of(job)
+        if not items:
+            continue
+        files = " ".join(f"design/verilog/{name}" for name in job.files)
+        flatten += ["design -reset", f"read_verilog {files}"]
+        flatten += [line.format(top=job.entity) for line in FLATTEN]
+        flatten += [f"write_verilog -noattr output/properties/{job.entity}.v"]
+        for number, item in enumerate(items, start=1):
+            name = f"{job.entity}.{number}"
+            formulas += ["design -reset"]
+            formulas += formula_script(
+                item, job.entity, f"output/properties/{name}.sv", f"output/properties/{name}.smt2"
+            )
+            text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
+            (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
+            for clocks in _depths(item):
+                text = _questions(item, job.entity, clocks)
+                (place / f"{name}.{clocks:03}.ask").write_text(text, encoding="ascii")
+            due = ["sat", *["unsat"] * ((2 if item.induction else 1) * _asserted(item))]
+            (place / f"{name}.due").write_text("\n".join([*due, ""]), encoding="ascii")
+            written.append((job, item))
+    for name, lines in (("flatten", flatten), ("formulas", formulas)):
+        (place / f"{name}.ys").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return written
+
+
+def _depths(item: Property) -> list[int]:
+    """Over how many clocks it is asked, until a proof closes."""
+    if not item.induction:
+        return [item.clocks]
+    doubled = (1 << n for n in range(item.induction.bit_length()))
+    return sorted({0, item.induction, *(n for n in doubled if n < item.induction)})
+
+
+def _asserted(item: Property) -> int:
+    """The number of expressions that must hold, which Yosys counts from 0."""
+    return len(item.states) + len(item.helps)
+
+
+def _inputs(job: Job) -> set[str]:
+    return {port.name for port in job.twin.ports if port.direction == "in"}
+
+
+def _questions(item: Property, top: str, last: int) -> str:
+    """The questions about a property over so many clocks, as SMT-LIB."""
+
+    def states(count: int, first: bool) -> list[str]:
+        lines = []
+        for n in range(count + 1):
+            lines += [f"(declare-fun s{n} () |{top}_s|)"]
+            lines += [f"(assert (|{top}_{kind}| s{n}))" for kind in "uh"]
+            if n:
+                lines.append(f"(assert (|{top}_t| s{n - 1} s{n}))")
+            initial = f"(|{top}_is| s{n})"
+            lines.append(f"(assert {initial if first and n == 0 else f'(not {initial})'})")
+        if first:
+            lines.insert(1, f"(assert (|{top}_i| s0))")
+        return lines
+
+    def each(fails: Callable[[int], str]) -> list[str]:
+        asked = []
+        for n in range(_asserted(item)):
+            asked += ["(push 1)", f"(assert {fails(n)})", "(check-sat)", "(pop 1)"]
+        return asked
+
+    # What is assumed must be possible beyond the clock of the reset.
+    clocks = max(1, last)
+    lines = ["(push 1)", *states(clocks, first=True), "(check-sat)"]
+    lines += each(
+        lambda n: f"(or {' '.join(f'(not (|{top}_a {n}| s{m}))' for m in range(clocks + 1))})"
+    )
+    lines.append("(pop 1)")
+    if item.induction:
+        lines += ["(push 1)", *states(last, first=False)]
+        lines += [f"(assert (|{top}_a| s{m}))" for m in range(last)]
+        lines += [*each(lambda n: f"(not (|{top}_a {n}| s{last}))"), "(pop 1)"]
+    return "\n".join([*lines, ""])
+
+
+NETWORK, REFUSED = "network.json", "refused.txt"
+MAIN = "verdict"
+_ROOM = "tactus.verify.every_frame."
+
+
+def write_every_frame(scene: Scene, folder: Path) -> None:
+    """Write ``every_frame`` below a folder; without a network, why it cannot be proved."""
+    place = folder / "every_frame"
+    place.mkdir()
+    try:
+        text = readable(description(scene))
+    except InputError as reason:
+        (place / REFUSED).write_text(f"{reason}\n", encoding="utf-8")
+        return
+    (place / NETWORK).write_text(text, encoding="utf-8")
+    (place / "prover.py").write_text(one_file(), encoding="utf-8")
+
+
+def readable(given: dict[str, Any]) -> str:
+    """The network as JSON: a line for each table, and one with its number for each word."""
+    numbered = [{"word": given["samples"] + n, **word} for n, word in enumerate(given["words"])]
+    many = {
+        "tables": (
+            "{",
+            [f"{json.dumps(k)}: {json.dumps(v)}" for k, v in given["tables"].items()],
+            "}",
+        ),
+        "words": ("[", [json.dumps(word) for word in numbered], "]"),
+    }
+    entries = []
+    for key, value in given.items():
+        start, lines, end = many.get(key, ("", [], ""))
+        rows = ",\n  ".join(lines)
+        text = f"{start}\n  {rows}\n {end}" if lines else json.dumps(value)
+        entries.append(f'"{key}": {text}')
+    return "{\n " + ",\n ".join(entries) + "\n}\n"
+
+
+def one_file() -> str:
+    """The prover's modules in one, each behind those that it imports."""
+    modules: dict[str, str] = {}
+    imports: set[str] = set()
+    _add(MAIN, modules, imports)
+    # What the program is stands at its beginning.
+    about, end, last = modules.pop(MAIN).partition('"""\n\n')
+    return "\n\n".join([about + end + "\n".join(sorted(imports)), *modules.values(), last])
+
+
+def _add(module: str, modules: dict[str, str], imports: set[str]) -> None:
+    text = (Path(every_frame.__path__[0]) / f"{module}.py").read_text(encoding="utf-8")
+    lines = text.splitlines()
+    for node in reversed(ast.parse(text).body):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(_ROOM):
+            inner = str(node.module).removeprefix(_ROOM)
+            if inner not in modules:
+                _add(inner, modules, imports)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            imports.add(ast.unparse(node))
+        else:
+            continue
+        del lines[node.lineno - 1 : node.end_lineno]
+    modules[module] = "\n".join(lines).strip() + "\n"
