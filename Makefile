@@ -4,22 +4,19 @@ PYTHON ?= python3
 VENV ?= .venv
 SITE ?= build/site
 
-# What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
-# make puts in: so no character of it is special, neither to make, which would expand a $ on the
-# way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-FLAGS := ALL DRY FORCE FULL LINKS PAGES RECORD WAVES
-# What the command line names, before make hides it behind the lines below. An outer make passes on
-# variables of its own.
-export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name))))
+# What a user gives. Recipes read it from the environment, as "$$SCENE", and never as text that make
+# puts in: so no character of it is special, neither to make, which would expand a $ on the way, nor
+# to the shell. Only whether it is given may be asked of make: $(if $(value BLOCK),...).
+COMMAND_LINE := $(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name)))
+# An outer make passes on variables of its own, which need not be known here.
+export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(COMMAND_LINE))
 export GOALS := $(MAKECMDGOALS)
-GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL HARDWARE LABELS LINKS NAME NETLIST NETWORK NOISE OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
-	RECORD RECORDED RIG SCENE SEED SIM SITE TABLE TESTS THETA TO VENV WAVES
-literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
-$(foreach name,$(GIVEN),$(call literal,$(name)))
+export PYTHON VENV SITE
+$(foreach name,$(COMMAND_LINE),$(eval override $(name) := $$(value $(name)))$(eval export $(name)))
 
 comma := ,
 # With DRY=1 a command checks what it is given and says what it would do; make's own commands too.
-DRY_RUN := $(filter-out 0,$(DRY))
+DRY_RUN := $(filter-out 0,$(value DRY))
 # $(1): what a recipe would do; $(2): how.
 own = @$(if $(DRY_RUN),echo "DRY=1: nothing done; would $(1)",$(2))
 
@@ -34,21 +31,20 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: named help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures study sensors lean synth bitstream prove mutate coverage certify report docs pages lint clean tools browser ready
+# The commands whose module tactus/core/commands.py names, and which pass to it what they are given.
+CALLED := $(shell awk -F'"' '/^        "[a-z]+",$$/ {name = $$2} /^        "tactus\./ {print name}' tactus/core/commands.py)
+
+.PHONY: $(CALLED) named help test study docs pages lint clean tools browser ready
 
 help docs pages lint clean tools browser ready: named
 
 # A variable that no target here takes is most likely misspelt, and must not be ignored.
 named:
-	@$(if $(NAMED)$(filter-out 0 1,$(foreach name,$(FLAGS),$($(name)))),! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named)
+	@! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named
 
 # What is wanted, and of whom, is said once, in tactus/core/commands.py, which needs no environment for this.
 help:
 	@"$$PYTHON" -m tactus.cli.commands help
-
-# What these are given goes to a module as tactus/core/commands.py says.
-CALLED := demo sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations \
-	figures sensors lean synth bitstream prove mutate coverage certify report
 
 demo report mutate certify: $(if $(DRY_RUN),,tools)
 
@@ -56,11 +52,11 @@ $(CALLED): $(READY)
 	@exec $(RUN) -m tactus.cli.commands $@
 
 study: $(READY)
-	@exec $(RUN) -m studies "$$NAME" $(if $(filter-out 0,$(RECORD)),--record)
+	@exec $(RUN) -m studies "$$NAME" $(if $(filter-out 0,$(value RECORD)),--record)
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@exec $(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) \
-		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
+	@exec $(RUN) tests/chosen.py $(if $(value BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(value PAGES)),--pages) \
+		--tests="$$TESTS" $(if $(filter-out 0,$(value ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs
@@ -70,7 +66,7 @@ docs: $(READY)
 		$(call mine,SITE,index.html); \
 		rm -rf -- "$$SITE.new" "$$SITE.doctrees"; \
 		$(SPHINX) "$$SITE.new"; \
-		$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$$SITE.links";) \
+		$(if $(filter-out 0,$(value LINKS)),$(SPHINX) -b linkcheck "$$SITE.links";) \
 		rm -rf -- "$$SITE" "$$SITE.doctrees" "$$SITE.links"; \
 		mv -- "$$SITE.new" "$$SITE"; \
 		printf 'wrote %s/index.html\n' "$$SITE"))

@@ -1,7 +1,6 @@
 """The two tiers of tests, what the tests of a run share, and small scenes."""
 
 import os
-import re
 import signal
 import sys
 import time
@@ -17,6 +16,7 @@ from shared import Shared
 
 from golden.input_error import suggest
 from golden.layers import sharing
+from tactus.core.commands import COMMANDS, EVERYWHERE
 from tactus.core.machine import closing
 from tactus.core.store import VARIABLE
 from tactus.scene import Scene, load_scene
@@ -27,9 +27,8 @@ from tb.common.cases import random_mlp
 
 STARTED = time.perf_counter()
 ROOT = Path(__file__).parents[1]
-MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 # A user may set these on the command line or in the environment.
-GIVEN = re.sub(r"\\\n", "", MAKEFILE).partition("GIVEN := ")[2].splitlines()[0].split()
+GIVEN = {*EVERYWHERE, *(argument.name for c in COMMANDS for argument in c.arguments)}
 
 # No test may depend on how busy the cores are.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
