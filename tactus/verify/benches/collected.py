@@ -23,7 +23,37 @@ BENCHES = {
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
 }
 # For each block: the names of its cases.
-CASES_OF: dict[str, Callable[[Any], list[Property]]] = {
+CASES_OF: dict[str, list[str]] = {
+    block: list(getattr(bench, "CASES", {})) for block, bench in BENCHES.items()
+}
+
+
+def every_case() -> dict[str, Case]:
+    """All cases by name. If two benches use a name, it must be for the same case."""
+    found: dict[str, Case] = {}
+    for block, bench in BENCHES.items():
+        for name, case in getattr(bench, "CASES", {}).items():
+            if found.setdefault(name, case) != case:
+                raise ValueError(f"tb_{block}.py: CASES: {name} is another case elsewhere")
+    return found
+
+
+CASES = every_case()
+
+
+def case_scene(name: str, build: Path = BUILD) -> Scene:
+    """The scene of a case, written below ``build``."""
+    folder = build / "cases"
+    folder.mkdir(parents=True, exist_ok=True)
+    return scene_of(CASES[name], folder, name)
+
+
+_BESIDE = {
+    path.stem.removeprefix("prove_"): import_module(f"tb.{path.parent.name}.{path.stem}")
+    for path in sorted((ROOT / "tb").glob("*/prove_*.py"))
+}
+PROOFS = {name: bench for name, bench in BENCHES.items() if hasattr(bench, "properties")} | _BESIDE
+_OF: dict[str, Callable[[Any], list[Property]]] = {
     name: module.properties for name, module in PROOFS.items()
 } | {
     name: make
