@@ -41,24 +41,6 @@ def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Pa
     assert max(map(len, result.stdout.splitlines())) <= WIDTH
 
 
-<<<<<<< HEAD
-=======
-def test_every_target_is_in_the_table() -> None:
-    """Targets that only other targets need are left out."""
-    text = make("--print-data-base", "--dry-run", "help").stdout
-    phony = set(re.search(r"^\.PHONY: (.*)$", text, re.M)[1].split())
-    assert phony == {command.name for command in COMMANDS} | {
-        "help",
-        "named",
-        "tools",
-        "browser",
-        "ready",
-    }
-    called = re.search(r"^CALLED := (.*)$", text, re.M)[1].split()
-    assert called == [command.name for command in COMMANDS if command.module]
-
-
->>>>>>> c1d77047 (The Makefile takes targets and variables from the table of commands)
 @pytest.fixture(scope="module", autouse=True)
 def ready() -> None:
     """Mark the present environment as ready, so that make does not set it up again."""
