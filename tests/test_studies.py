@@ -36,9 +36,12 @@ from tb.common.cases import random_mlp
 # one that is measured whole below.
 NOT_BEGUN = {"judge", "peers", "stability"}
 # These train or learn before their first row.
-LONG = {"learned_functions", "on_line_learning"}
+LONG = {"halved_search", "learned_functions", "on_line_learning"}
 # Studies that bring data of others.
-BRING = {"beans": beans.DATA, "drift": drift.DATA, "gripper": gripper.TEST}
+BRING = {
+    **{"beans": beans.DATA, "drift": drift.DATA},
+    **{"gripper": gripper.TEST, "halved_search": gripper.DATA},
+}
 # Of floating point on another processor.
 ROUNDING = 0.1
 
