@@ -39,8 +39,10 @@ NOT_BEGUN = {"judge", "peers", "stability"}
 LONG = {"halved_search", "learned_functions", "on_line_learning"}
 # Studies that bring data of others.
 BRING = {
-    **{"beans": beans.DATA, "drift": drift.DATA},
-    **{"gripper": gripper.TEST, "halved_search": gripper.DATA},
+    "beans": beans.DATA,
+    "drift": drift.DATA,
+    "gripper": gripper.TEST,
+    "halved_search": gripper.DATA,
 }
 # Of floating point on another processor.
 ROUNDING = 0.1
