@@ -189,7 +189,7 @@ def test_the_page_begins_with_what_is_proved_and_what_was_not_done(certificate: 
 
 
 def test_benches_that_did_not_reach_every_border_are_not_green(shared: Shared) -> None:
-    job = shared.subject("frame_check")
+    job = shared.subject("abs_unit")
     whole, recorded = BenchResult(job, False, 100), BenchResult(job, True)
     assert bench_result([whole, recorded], 2).colour == "green"
     assert bench_result([whole], 2).colour == "amber"

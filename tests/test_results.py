@@ -241,7 +241,7 @@ def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
 ANSWER = {"compared": 7, "facts": [1.5, "word"]}
 COMMENT = "\n# Said otherwise.\n"
 CODE = "\n\nADDED = 1\n"
-TWIN = "golden/engine/frame_check.py"
+TWIN = "golden/layers/output_controller.py"
 
 
 def asked(**more: store.Part) -> store.Key:
@@ -372,7 +372,7 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
     score = score_state("netlists", "trace", [], [])
     for file in (
         TWIN,
-        "tb/engine/tb_frame_check.py",
+        "tb/layers/tb_output_controller.py",
         "tb/common/bench.py",
         "tactus/report/measure/networks.py",
         "tactus/verify/sign_off/mutate/same.py",
@@ -397,18 +397,18 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
         (job.scene.name, job.block)
         for job in sources.jobs
         for modules in [kept_results.bench_modules(job.area, job.block)]
-        if (job.scene.name == "digit" and kept_results.asks_for_scene(modules))
+        if (job.scene.name == "digit-hybrid" and kept_results.asks_for_scene(modules))
         or "golden.networks.oracle" in modules
     }
-    assert ("digit", "engine") in asking
-    assert found == {("digit", "frame_check"), *asking}
+    assert ("digit-hybrid", "hybrid") in asking
+    assert found == {("digit-hybrid", "output_controller"), *asking}
     assert benches.keys() - found
 
 
 def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
     benches, tables = sources.benches(), sources.tables()
-    sources.add("tb/engine/tb_frame_check.py", CODE)
-    assert changed(benches, sources.benches()) == {("digit", "frame_check")}
+    sources.add("tb/layers/tb_output_controller.py", CODE)
+    assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}
     assert changed(tables, sources.tables()) == set()
 
 

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border, State
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.pipeline import Pipeline
 from golden.input_error import InputError
@@ -29,6 +28,7 @@ class FrameCheck(Block):
     """
 
     block = "frame_check"
+    part_of = "engine"
     area = "engine"
     latency = 1
     inputs: int
@@ -62,22 +62,6 @@ class FrameCheck(Block):
             ),
             BROKEN,
         )
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        free = self.busy + self.pipeline.free
-        return (Border("far enough apart", "clocks from a good frame to the next sample", free),)
-
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (State("samples before", range(self.inputs)), State("dropping", range(2)))
-
-    @property
-    def unreachable(self) -> dict[str, str]:
-        if self.results:
-            return {}
-        aside = (1 << self.addr_width) - 1
-        return {f"write_addr={n}": "no results are counted" for n in range(self.inputs, aside)}
 
     def facts(self) -> tuple[str, ...]:
         return (f"{self.inputs} sample{'s' if self.inputs > 1 else ''} a frame",)

@@ -42,6 +42,7 @@ class FrameGuard(Block):
     """
 
     block = "frame_guard"
+    part_of = "engine"
     area = "engine"
     latency = 1
     addr_width: int

@@ -122,39 +122,6 @@ def results(outputs: int, begin: str) -> str:
     """
 
 
-# What frame_check and frame_guard may assume of an engine.
-COMPUTED = {
-    "Results come, and the last output leaves, only while a frame is computed.": "run || "
-    "!(store || finish)",
-    "The last output is no result that goes back to the memory.": "!(store && finish)",
-}
-
-
-def opening(waits: int) -> str:
-    """When a program starts and runs, ``waits`` clocks behind a good frame: 0 or 1.
-
-    ``opens_now`` says that it starts, and ``going`` that it runs, until ``finish``.
-    """
-    late = ago("good_ago", "is_good", 1) if waits else ""
-    return f"""
-        {late}
-        wire opens_now = {"good_ago" if waits else "is_good"};
-        reg going = 0;
-        always @(posedge clk) going <= !rst && (opens_now || (going && !finish));
-    """
-
-
-def opened(waits: int) -> tuple[str, ...]:
-    """How this hangs together with what the hardware and the watch call running and computing."""
-    if not waits:
-        return "running == computing", "going == computing"
-    return (
-        "running == going",
-        "start == good_ago && waiting == good_ago",
-        "computing == (going || good_ago) && !(going && good_ago)",
-    )
-
-
 def busy_of(twin: Any, at: str = "") -> tuple[str, ...]:
     """When an engine that takes images is busy, and that this is while its image is whole."""
     if twin.frame_guard.pipeline.run == 1:
@@ -165,30 +132,6 @@ def busy_of(twin: Any, at: str = "") -> tuple[str, ...]:
         f"!{at}start || {waits}",
         f"!{at}busy || {at}u_image_loader_0.whole",
     )
-
-
-# Broken copies, in which operands get wrong addresses.
-MISPLACED = (
-    (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
-    (r"write <= \(accept \|\| store\)", "write <= accept"),
-    (r"finish \|\| broken", "finish"),
-)
-
-
-def operands(width: int, kept: str, cleared: str) -> str:
-    """``operands`` counts the operands of this frame that were kept before this clock.
-
-    ``expected`` is that number one clock ago, which is the address of an operand kept then.
-    """
-    return f"""
-        reg [{width - 1}:0] operands = 0;
-        reg [{width - 1}:0] expected;
-        always @(posedge clk) begin
-            expected <= operands;
-            if ({kept}) operands <= operands + 1;
-            if (rst || {cleared}) operands <= 0;
-        end
-    """
 
 
 def network(

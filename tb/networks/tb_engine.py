@@ -34,6 +34,7 @@ from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import busy_of, frames_computed, table
+from tb.engine.frame_proof import frame_check, frame_guard
 from tb.networks.engine_parts_proof import lane_accumulate, lane_round, operand_memory
 
 CASES = ENGINES | LANES | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
@@ -466,6 +467,8 @@ def placed(twin):
 
 
 OF_PARTS = {
+    "frame_check": frame_check,
+    "frame_guard": frame_guard,
     "lane_accumulate": lane_accumulate,
     "lane_round": lane_round,
     "operand_memory": operand_memory,
