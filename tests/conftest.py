@@ -72,7 +72,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Skip the tests of the other tier, so that the summary counts them."""
     if not config.getoption("--all"):
         for item in items:
-            if item.get_closest_marker("all_only") or "measured_tables" in item.fixturenames:
+            if item.get_closest_marker("all_only"):
                 item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
 
 
@@ -102,12 +102,6 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
     """The folder that all workers of a run share. Each worker has its own below that of the run."""
     folder = tmp_path_factory.getbasetemp()
     return Shared(folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder)
-
-
-@pytest.fixture(scope="session")
-def measured_tables(shared: Shared) -> dict[str, Any]:
-    """Every table of the report. They take minutes, so only ALL=1 runs the tests that need them."""
-    return shared.tables()
 
 
 @pytest.fixture(scope="session")

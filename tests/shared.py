@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from subprocess import CompletedProcess
-from typing import TYPE_CHECKING
 
 import pytest
 from exporter import Exporter
@@ -24,9 +23,6 @@ from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, jobs, libra
 from tactus.verify.benches.tools import language
 from tactus.verify.benches.written import scene_of
 from tactus.verify.sign_off.subject import first
-
-if TYPE_CHECKING:
-    from tactus.report.measure.table import Table
 
 # If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
@@ -104,13 +100,6 @@ class Shared:
         """The entity that represents a block (``tactus.verify.sign_off.subject``), on the shared
         exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
-
-    def tables(self) -> dict[str, Table]:
-        """Every table of the report, measured once in this run."""
-        from tactus.report.measure.steps import measured
-
-        with self.alone("tables"), self.own_store():
-            return measured(lambda *_: None)
 
     @contextmanager
     def own_store(self) -> Iterator[None]:

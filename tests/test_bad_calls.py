@@ -11,7 +11,7 @@ from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
 # Commands that need more than a scene, or none, and those that need no more.
-MORE = ("network", "figures", "scene", "check", "predict", "bitstream")
+MORE = ("network", "scene", "check", "predict", "bitstream")
 SCENES = [n for n in COMMANDS if n not in MORE]
 
 
@@ -37,7 +37,7 @@ def test_every_command_refuses_a_scene(desk: Desk, command: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["--help", "--"])
-@pytest.mark.parametrize("command", [c for c in COMMANDS if c not in ("scene", "figures")])
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c != "scene"])
 def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) -> None:
     """The command is called as make calls it, with the other values that it needs."""
     known = BY_NAME[command]

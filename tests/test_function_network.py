@@ -21,7 +21,7 @@ from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
 from tactus.report.draw.learned import nodes_of, scene_nodes
 from tactus.report.draw.pictures import pictures
-from tactus.report.draw.svg import Picture
+from tactus.report.draw.svg import ACCENT, Picture
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_learned
@@ -193,4 +193,4 @@ def test_the_picture_of_a_scene_has_every_function(tmp_path: Path, arrangement: 
     drawn = next(
         one for one in pictures(scene) if isinstance(one, Picture) and one.name == "functions"
     )
-    assert drawn.svg.count("curved</title>") == sum(edge.form == "curved" for edge in edges)
+    assert drawn.svg.count(f"stroke: {ACCENT}") == sum(edge.form == "curved" for edge in edges)

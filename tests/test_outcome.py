@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tactus.report.draw.outcome import disturbance_plots, predicted_plots
-from tactus.report.measure.bounds import limits
 from tactus.report.measure.disturbance import noise_and_drift
 from tactus.report.measure.outcome import SURE, Outcome, confidence, outcome, sensors
 from tactus.scene import Scene, load_scene
@@ -113,19 +112,12 @@ def test_the_plots_hold_what_the_tables_hold(digit: Outcome) -> None:
     assert sorted(x for x, _ in groups["held out"]) == sorted(held)
 
 
-def test_what_the_digits_sensors_allow_stands_beside_the_noise() -> None:
-    """It is shown for outputs that all readings determine, and not for drift."""
+def test_the_plots_of_disturbances_hold_what_their_table_holds() -> None:
     table = noise_and_drift(load_scene("digit"), 1)
-    assert list(table.columns[-2:]) == ["load, bound %", "position, bound %"]
-    load, position = limits(0.002, 1).bound[:, :2].mean(axis=0)
+    noise, gain, offset = disturbance_plots(table)
     rows = {(row[0], row[1]): row for row in table.rows}
-    assert rows["noise", 0.002][-2:] == pytest.approx([load, position])
-    assert rows["noise", 0.004][-2] == pytest.approx(2 * load)
-    assert rows["gain drift", 0.01][-2:] == [None, None]
-    noise, gain, _ = disturbance_plots(table)
-    assert [label for label in noise.groups if label not in gain.groups] == [
-        "load, bound",
-        "position, bound",
-    ]
-    assert noise.looks["load"].colour == noise.looks["load, bound"].colour
-    assert "The sensors allow 1.3 % of load" in noise.sentence
+    assert noise.groups.keys() == gain.groups.keys() == offset.groups.keys()
+    for plot, kind in ((noise, "noise"), (gain, "gain drift"), (offset, "offset drift")):
+        (_, recorded), *points = plot.groups["load"]
+        assert recorded == rows["as recorded", 0.0][2]
+        assert points == [(size, row[2]) for (one, size), row in rows.items() if one == kind]

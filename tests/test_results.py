@@ -20,8 +20,6 @@ from tactus.core import closure, store
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.report.measure import steps as parts
-from tactus.report.measure.registry import TABLES
-from tactus.report.measure.steps import table_key
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from tactus.verify.benches import kept_results, results
 from tactus.verify.benches.collected import BENCHES, CASES_OF
@@ -344,9 +342,12 @@ class Copy:
         self.forget()
         return {(job.scene.name, job.block): kept_results.bench_key(job) for job in self.jobs}
 
-    def tables(self) -> dict[str, store.Key]:
+    def report(self) -> dict[str, store.Key]:
         self.forget()
-        return {name: table_key(name) for name in TABLES}
+        return {
+            module: parts.part_key(module, [f"tactus.report.{module}"])
+            for module in ("measure.disturbance", "measure.designs")
+        }
 
     @staticmethod
     def forget() -> None:
@@ -368,20 +369,20 @@ def changed(before: dict, after: dict) -> set:
 
 
 def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
-    benches, tables = sources.benches(), sources.tables()
+    benches, report = sources.benches(), sources.report()
     score = score_state("netlists", "trace", [], [])
     for file in (
         TWIN,
         "tb/layers/tb_output_controller.py",
         "tb/common/bench.py",
-        "tactus/report/measure/networks.py",
+        "tactus/report/measure/disturbance.py",
         "tactus/verify/sign_off/mutate/same.py",
     ):
         sources.add(file, COMMENT)
     sources.add("tactus/report/page/content.py", CODE)
     sources.add("tactus/report/draw/svg.py", CODE)
     assert changed(benches, sources.benches()) == set()
-    assert changed(tables, sources.tables()) == set()
+    assert changed(report, sources.report()) == set()
     assert score_state("netlists", "trace", [], []) == score
     sources.add("tactus/verify/sign_off/mutate/same.py", CODE)
     Copy.forget()
@@ -406,10 +407,10 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
 
 
 def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
-    benches, tables = sources.benches(), sources.tables()
+    benches, report = sources.benches(), sources.report()
     sources.add("tb/layers/tb_output_controller.py", CODE)
     assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}
-    assert changed(tables, sources.tables()) == set()
+    assert changed(report, sources.report()) == set()
 
 
 def test_the_tools_are_a_part(sources: Copy, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 from golden.networks.constants import Constants, constants_of
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
 from golden.trained.mlp import Mlp, tanh
 from studies.peers.cells import Cells
-from tactus.report.measure.one_network import mean_error, random_frames
 from tactus.scene import Scene
 
 # The scene whose network every peer computes that takes ours at all, with weights of 18 bits, and
@@ -19,6 +19,7 @@ MAIN = "comparison/digit-fast-full"
 FEW = "digit-fast"
 # Networks that tell classes apart: of the jets at a collider, and of wines.
 JETS, WINE, BEANS = "jets", "wine", "beans"
+RANDOM_FRAMES = 2000
 # The headings of the columns, and the family and the kind of cells that stand below them.
 COLUMNS = {
     "LUT4": ("xc2v", "LUT"),
@@ -77,10 +78,21 @@ class Task:
         )
 
 
+def mean_error(outputs: Codes, real: Real) -> float:
+    """The mean magnitude of the error in units of 2**-13, over frames and outputs.
+
+    real: The results in floating point. Beyond the range of codes, its end counts as right.
+    """
+    reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
+    return float(np.abs(SIGNAL.to_real(outputs) - reached).mean() * (1 << SIGNAL.frac))
+
+
 def task_of(scene: Scene, seed: int) -> Task:
     """The one network of a scene, its recorded frames, and uniformly random frames."""
     (mlp,) = scene.mlps()
-    random = random_frames(seed, mlp.shape[0])
+    # Every code is equally likely.
+    rng = np.random.default_rng(seed)
+    random = rng.integers(SIGNAL.low, SIGNAL.high + 1, (RANDOM_FRAMES, mlp.shape[0]))
     constants = constants_of(mlp, scene.settings())
     return Task(scene, mlp, constants, scene.vectors().codes, random)
 

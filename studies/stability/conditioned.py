@@ -22,11 +22,9 @@ from studies.stability import digits
 from studies.stability.case import Row, largest
 from studies.stability.digits import DIGITS
 from tactus.core.table import read_table
-from tactus.physics.beam import Beam
-from tactus.physics.bound import least_deviations, least_errors, slopes_by_codes
 from tactus.physics.conditioning import CUTOFF, SCAN_RATE, Conditioning
 from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.strain_sensor import COLUMNS, fit_sensors
+from tactus.physics.strain_sensor import COLUMNS
 from tactus.recalibration.fit import Fit, fit
 from tactus.recalibration.outlook import outlook
 from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_and_slopes
@@ -115,33 +113,6 @@ def sensors() -> Iterator[Row]:
         # The least eigenvalue of K + r I is r, and its largest at most the number of rows.
         bound = 10 * len(train) / ridge * EPS
         yield Row("smooth map", case, AGREE, "error / spread", miss, bound)
-    gauges = fit_sensors(table, Beam())
-    for which, name in (((0, 1, 2, 3), "the four sensors"), ((0, 1, 2, 3, 0), "one of them twice")):
-        slopes = slopes_by_codes([gauges[k] for k in which], targets[::12])
-        found = least_deviations(slopes, 1e-3)
-        told = np.isfinite(found).all(axis=1)
-        exact = np.array(
-            [1e-3 * np.sqrt(np.diag(digits.inverse_of_squares(one))) for one in slopes[told]]
-        )
-        condition = max(float(np.linalg.cond(one)) for one in slopes[told])
-        case = f"bound of gauges, {name}, condition to {condition:.0e}"
-        miss = largest(found[told] / exact - 1)
-        yield Row("Cramer-Rao", case, AGREE, "relative error", miss, 10 * condition * EPS)
-    # Two gauges cannot tell three unknowns apart, nor can one that is read twice.
-    slopes = slopes_by_codes([gauges[0], gauges[0], gauges[0]], targets[::12])
-    finite = int(np.isfinite(least_deviations(slopes, 1e-3)).all(axis=1).sum())
-    yield Row("Cramer-Rao", "one gauge three times", "be infinite", "finite", finite, 0)
-    some = targets[::20]
-    scale, quiet, loud = np.abs(some), 1e-11, 1e-3
-    errors = [
-        least_errors(gauges[:2], some, np.full(2, noise), scale, True, 20, np.random.default_rng(0))
-        / noise
-        for noise in (quiet, loud)
-    ]
-    off = largest(errors[0] - errors[1]) / largest(errors[1])
-    # A reading of 1 V is known to EPS, which is that part of the noise.
-    case, must = f"likelihood of known loads, noise of {quiet:g} V", "be in proportion to the noise"
-    yield Row("Cramer-Rao", case, must, "relative error", off, 10 * EPS / quiet)
 
 
 def _smooth(inputs: Real, values: Real, ridge: float, asked: Real) -> Real:

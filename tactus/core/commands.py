@@ -148,7 +148,6 @@ ALL = flag("ALL")
 FULL = flag("FULL")
 FORCE = flag("FORCE")
 TESTS = option("TESTS", "tests/test_x.py")
-TABLE = word("TABLE")
 
 COMMANDS = (
     Command(
@@ -341,13 +340,6 @@ COMMANDS = (
         "Measures the errors of every activation against tanh, and plots them.",
         (),
         "tactus.report.activations",
-    ),
-    Command(
-        "figures",
-        "Measures the figures that are compared with the thesis, and writes them to build/figures; "
-        "TABLE= names one table, and SEED= changes the random choices.",
-        (TABLE, SEED),
-        "tactus.report.measure",
     ),
     Command(
         "study",

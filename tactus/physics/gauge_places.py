@@ -5,6 +5,7 @@ reading of each with the standard deviation of its range. So a bound is never la
 of a guess, and means can be computed even over placements whose width no gauge measures.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,9 +14,11 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.numbers.real import Real
-from tactus.physics.bound import MEAN_PER_DEVIATION
 from tactus.physics.gauge_rig import OUTPUTS, GaugeRig
 from tactus.physics.strain_sensor import StrainSensor
+
+# The mean magnitude of a normally distributed error, as a part of its standard deviation.
+MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
 
 # The distance of the places that are tried, since nobody can glue a gauge more precisely.
 STEP = 1e-3  # m

@@ -16,7 +16,7 @@ EXPLICIT = ("RK23", "RK45", "DOP853")
 IMPLICIT = ("Radau", "BDF", "LSODA")
 METHODS = EXPLICIT + IMPLICIT
 
-# From the tables `swing` and `swing_damping` of `make figures`: with light damping, DOP853 and
+# From studies/swing_integrators: with light damping, DOP853 and
 # LSODA take similar times, and near upright DOP853 has the smaller error. With overdamping, from
 # two natural frequencies on, the samples of DOP853 between its steps miss the tolerance, and then
 # stability limits its steps. LSODA keeps the tolerance there and is faster.

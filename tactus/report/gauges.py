@@ -12,7 +12,6 @@ from tactus.core.files import replace_folder
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
 from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
-from tactus.report.measure.gauges import FOUND, names_of
 from tactus.report.measure.table import Cell, Table
 
 HEIGHT = 1.6  # inches of a panel
@@ -74,7 +73,7 @@ def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
         return svg(figure, "sensors", f"Places of gauges on {rig.name}, and their bounds")
 
 
-COMPARED = "compared"
+COMPARED, FOUND = "compared", "best found"
 
 
 def sensors(rig: GaugeRig) -> tuple[Table, str]:
@@ -84,10 +83,10 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
     sets[FOUND] = placing.best()
     rows: list[list[Cell]] = []
     for label, places in sets.items():
-        errors = placing.errors(places)
+        errors, mm = placing.errors(places), ", ".join(f"{1e3 * place:.4g}" for place in places)
         for name in rig.outputs:
             column = errors[:, OUTPUTS.index(name)]
-            rows.append([label, names_of(places), name, float(column.mean()), float(column.max())])
+            rows.append([label, mm, name, float(column.mean()), float(column.max())])
     table = Table(
         "sensors",
         ["places", "mm from the root", "output", "mean %", "worst %"],

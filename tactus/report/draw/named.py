@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from golden.numbers.real import Real
-from tactus.report.draw.drawing import ACCENT, FAINT
-from tactus.report.draw.svg import style, svg
+from tactus.report.draw.svg import ACCENT, FAINT, style, svg
 
 # At so many dots per inch, a pixel is a point.
 INCHES, DPI, RADIUS, SIZE = (7.4, 4.9), 72, 3.0, 9.0

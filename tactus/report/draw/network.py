@@ -1,44 +1,24 @@
 """Draws the networks of a scene: their inputs, their nodes, and where their outputs go."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
-from tactus.report.draw.drawing import (
-    ACCENT,
-    FAINT,
-    INK,
-    Point,
-    arrow_head,
-    dot,
-    group,
-    line,
-    picture,
-    text,
-    text_width,
-)
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from tactus.report.draw.svg import ACCENT, FAINT, INK, plain, style, svg
 from tactus.scene import Scene
 
-ROW, NODE, TERMINAL = 16.0, 9.0, 14.0
-# The distance from one column of nodes to the next.
-SPAN = 62.0
-# In CSS pixels: to what a smaller picture is scaled up, and beyond what it scrolls on a telephone.
-WIDEST, LARGE = 400.0, 500.0
-# The room above the nodes for a heading, and below them.
-HEADING, BELOW = 22.0, 16.0
+# Lengths are points: from one terminal or node to the next, and from column to column; the room
+# of a network's heading, and that below a network.
+TERMINAL, NODE, SPAN, HEADING, BELOW = 11.0, 7.0, 46.0, 18.0, 12.0
 # More hidden nodes than this are not drawn one by one. Their number is always written.
 MOST_NODES = 40
+# A wider picture, in CSS pixels, scrolls on a telephone before its letters are small.
+LARGE, LEAST = 500.0, 0.75
 
-
-@dataclass(frozen=True)
-class Place:
-    """The places of the nodes of one network."""
-
-    top: float
-    inputs: list[Point]
-    hidden: list[list[Point]]
-    outputs: list[Point]
-    bottom: float
+Point = tuple[float, float]
 
 
 def network(scene: Scene) -> str:
@@ -48,91 +28,84 @@ def network(scene: Scene) -> str:
 
     Returns: One ``<svg>`` element.
     """
-    shapes = [network.shape for network in scene.networks()]
-    inputs = [*scene.inputs, *scene.outputs]
-    heading = _heading(scene)
-    left = 12 + max(text_width(name) for name in inputs[: max(shape[0] for shape in shapes)])
-    body = [text((6, 16), heading[0], 13, font_weight="bold"), text((6, 32), heading[1])]
-    top = 39.0
-    for shape, member in zip(shapes, scene.members, strict=True):
-        place = _place(shape, left, top)
-        for n, ((x, y), name) in enumerate(zip(place.inputs, inputs, strict=False)):
-            colour = INK if n < len(scene.inputs) else ACCENT
-            body.append(text((x - 6, y + 4), name, text_anchor="end", fill=colour))
-        body += _nodes(place, shape[1:-1], member.outputs)
-        top = place.bottom + BELOW
-    columns = max(map(len, shapes)) - 1
-    width = max(
-        left + columns * SPAN + 24 + max(text_width(name, 12) for name in scene.outputs),
-        *(12 + text_width(words, 12) for words in heading),
-    )
-    ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
-    told = f"{heading[0]} of scene {scene.name}, {scene.describe()}: {ends}"
-    # Letters stay large enough to be read.
-    narrowest = 0.75 * width if width > LARGE else 0
-    return picture(told, (width, top - BELOW + 8), body, narrowest, max(width, WIDEST))
-
-
-def _heading(scene: Scene) -> list[str]:
-    count = len(scene.members)
+    shapes, count = [network.shape for network in scene.networks()], len(scene.members)
     words = {
         "single": "One network",
         "multiple": f"{count} independent networks",
         "cascade": f"{count} networks in cascade",
-    }
-    return [words[scene.arrangement], f"activation: {scene.hidden_text()}"]
+    }[scene.arrangement]
+    names, y = [*scene.inputs, *scene.outputs], 0.0
+    with style():
+        figure = Figure()
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.axis("off")
+        title = f"{words}\nactivation: {scene.hidden_text()}"
+        axes.set_title(title, loc="left", fontsize="small")
+        for n, (shape, member) in enumerate(zip(shapes, scene.members, strict=True)):
+            y, columns = _columns(shape, y)
+            _nodes(axes, columns, shape[1:-1], f"hidden_{n}")
+            for at, name in zip(columns[0], names, strict=False):
+                colour = INK if name in scene.inputs else ACCENT
+                _name(axes, name, at, -5, color=colour, ha="right")
+            for at, name in zip(columns[-1], member.outputs, strict=True):
+                arrow = {"arrowstyle": "<|-", "color": INK, "linewidth": 0.8, "shrinkB": 4}
+                _name(axes, name, at, 18, arrowprops=arrow)
+        wide, high = SPAN * (max(map(len, shapes)) - 1), y - BELOW
+        axes.set(xlim=(0, wide), ylim=(high, 0))
+        figure.set_size_inches(wide / 72, high / 72)
+        figure.draw_without_rendering()
+        width = 96 * figure.get_tightbbox().width
+        ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
+        told = f"{words} of scene {scene.name}, {scene.describe()}: {ends}"
+        least = LEAST * width if width > LARGE else 0
+        return svg(figure, "network", told, narrowest=least, tight=True)
 
 
-def _place(shape: tuple[int, ...], left: float, top: float) -> Place:
-    """The nodes of a network, in a column for each layer; the columns have a common middle."""
-    inputs, *hidden, outputs = shape
-    shown = [min(nodes, MOST_NODES) for nodes in hidden]
-    heights = [(inputs - 1) * TERMINAL, (max(shown, default=1) - 1) * NODE, (outputs - 1) * ROW]
-    middle = top + HEADING + max(heights) / 2
-
-    def column(count: int, pitch: float, x: float) -> list[Point]:
-        return [(x, middle + pitch * (n - (count - 1) / 2)) for n in range(count)]
-
-    return Place(
-        top,
-        column(inputs, TERMINAL, left),
-        [column(nodes, NODE, left + SPAN * n) for n, nodes in enumerate(shown, start=1)],
-        column(outputs, ROW, left + SPAN * (len(hidden) + 1)),
-        top + HEADING + max(heights) + NODE / 2,
-    )
+def _name(axes: Axes, name: str, at: Point, right: float, **look: Any) -> None:
+    look |= {"textcoords": "offset points", "va": "center", "fontsize": "small"}
+    axes.annotate(plain(name), at, (right, 0), **look)
 
 
-def _nodes(place: Place, hidden: Sequence[int], names: tuple[str, ...]) -> list[str]:
-    """Weights as thin lines, hidden nodes as circles, outputs with their names."""
-    circled, dotted = [], []
-    for nodes, count in zip(place.hidden, hidden, strict=True):
-        # Three dots replace the nodes in the middle.
+def _columns(shape: tuple[int, ...], top: float) -> tuple[float, list[list[Point]]]:
+    """Where the next network begins, and the nodes of this one, in a column for each layer."""
+    pitches = [TERMINAL, *[NODE] * (len(shape) - 2), TERMINAL]
+    counts = [shape[0], *(min(nodes, MOST_NODES) for nodes in shape[1:-1]), shape[-1]]
+    high = max(pitch * count for pitch, count in zip(pitches, counts, strict=True))
+    middle = top + HEADING + high / 2
+    return top + HEADING + high + BELOW, [
+        [(SPAN * c, middle + pitch * (n - (count - 1) / 2)) for n in range(count)]
+        for c, (pitch, count) in enumerate(zip(pitches, counts, strict=True))
+    ]
+
+
+def _nodes(axes: Axes, columns: list[list[Point]], hidden: tuple[int, ...], name: str) -> None:
+    """Weights as thin lines, hidden nodes as circles; three dots replace nodes in the middle."""
+    inputs, *layers, outputs = columns
+    circled = []
+    for nodes, count in zip(layers, hidden, strict=True):
         middle = len(nodes) // 2
         dots = nodes[middle - 1 : middle + 2] if count > len(nodes) else []
         circled.append([node for node in nodes if node not in dots])
-        dotted.append(dots)
+        if dots:
+            axes.plot(*zip(*dots, strict=True), ".", color=INK, markersize=2, clip_on=False)
     weights = [
-        line([a, b], stroke=FAINT, stroke_width=0.4)
-        for before, after in pairwise([place.inputs, *circled, place.outputs])
+        (a, b)
+        for before, after in pairwise([inputs, *circled, outputs])
         for a in before
         for b in after
     ]
-    body = [group(weights)]
-    for nodes, dots, count in zip(circled, dotted, hidden, strict=True):
-        circles = [dot(node, 3.4, fill="#fff", stroke=INK) for node in nodes]
-        body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{count} hidden nodes"))
+    axes.add_collection(LineCollection(weights, colors=FAINT, linewidths=0.4, clip_on=False))
+    look: dict[str, Any] = {
+        "color": INK,
+        "markerfacecolor": "white",
+        "markeredgewidth": 0.8,
+        "clip_on": False,
+    }
+    for n, nodes in enumerate(circled):
+        axes.plot(*zip(*nodes, strict=True), "o", markersize=5, gid=f"{name}_{n}", **look)
+    axes.plot(*zip(*inputs, strict=True), "o", color=INK, markersize=3, clip_on=False)
+    axes.plot(*zip(*outputs, strict=True), "o", markersize=6.5, **look)
     counts = ", ".join(map(str, hidden)) or "no"
     words = f"{counts} hidden node{'' if sum(hidden) == 1 else 's'}"
-    left, right = place.inputs[0][0], place.outputs[0][0]
-    # Without a hidden layer there is less room than the words take.
-    centre = max((left + right) / 2, left + text_width(words) / 2)
-    body.append(text((centre, place.top + 12), words, text_anchor="middle"))
-    body += [dot(point, 2.4) for point in place.inputs]
-    for (x, y), name in zip(place.outputs, names, strict=True):
-        body += [
-            line([(x, y), (x + 16, y)]),
-            arrow_head((x + 18, y), (1, 0)),
-            dot((x, y), 4.4, fill="#fff", stroke=INK),
-            text((x + 22, y + 4), name, 12),
-        ]
-    return body
+    at = (columns[-1][0][0] / 2, min(y for nodes in columns for _, y in nodes) - HEADING / 2)
+    axes.annotate(words, at, ha="center", va="center", fontsize="small", annotation_clip=False)

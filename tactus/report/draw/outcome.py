@@ -1,15 +1,15 @@
 """Draws the errors of a scene: computed against recorded, along positions, with disturbances."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from golden.numbers.real import Real
 from tactus.errors import UNKNOWN, trained_means
-from tactus.report.draw.svg import PLOT_INCHES, Look, nth, plain, style, svg
-from tactus.report.measure.disturbance import BOUND, KINDS, NONE
+from tactus.report.draw.svg import PLOT_INCHES, nth, plain, style, svg
+from tactus.report.measure.disturbance import KINDS, NONE
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Table
 
@@ -31,7 +31,6 @@ class Plot:
     title, across, up: The heading and the labels of the axes, with units.
     groups: The points of each line, by its label.
     sentence: A sentence that the figures support.
-    looks: The looks by label. Others have those of ``nth``.
     """
 
     name: str
@@ -40,7 +39,6 @@ class Plot:
     up: str
     groups: Mapping[str, Sequence[tuple[float, float]]]
     sentence: str
-    looks: Mapping[str, Look] = field(default_factory=dict)
 
     def draw(self) -> str:
         """The plot as an ``<svg>`` element."""
@@ -52,12 +50,11 @@ class Plot:
             figure = Figure(figsize=(width, height), layout="constrained")
             axes = figure.add_subplot(xlabel=self.across, ylabel=self.up)
             for i, (label, points) in enumerate(self.groups.items()):
-                look = self.looks.get(label) or nth(i)
+                look = nth(i)
                 axes.plot(
                     *zip(*points, strict=True),
                     marker=look.marker,
                     color=look.colour,
-                    markerfacecolor=None if look.filled else "white",
                     linestyle=_LINES[i // 2 % len(_LINES)],
                     label=label,
                 )
@@ -162,30 +159,17 @@ def along_plot(found: Outcome, table: Table) -> Plot:
 
 
 def disturbance_plots(table: Table) -> Iterator[Plot]:
-    """The mean errors, and their bounds if known, against noise and drifts."""
-    names = [column.removesuffix(" %") for column in table.columns[2:]]
-    outputs = [name for name in names if not name.endswith(BOUND)]
-    looks = {
-        plain(name): replace(nth(outputs.index(name.removesuffix(BOUND))), filled=name in outputs)
-        for name in names
-    }
+    """The mean errors against noise and drifts."""
+    outputs = [column.removesuffix(" %") for column in table.columns[2:]]
     for key, (kind, _) in KINDS.items():
         rows = [row for row in table.rows if row[0] in (NONE, kind)]
         errors = {
-            name: [(_number(row[1]), _number(row[c])) for row in rows if row[c] is not None]
-            for c, name in enumerate(names, 2)
+            name: [(_number(row[1]), _number(row[c])) for row in rows]
+            for c, name in enumerate(outputs, 2)
         }
-        errors = {name: points for name, points in errors.items() if points}
         largest = max(outputs, key=lambda name: errors[name][-1][1])
         (_, recorded), *_, (size, error) = errors[largest]
         text = f"{largest} is the worst at {size:g}: {error:.2g} %, {recorded:.2g} % as recorded."
-        allowed = [
-            f"{points[-1][1]:.2g} % of {name.removesuffix(BOUND)}"
-            for name, points in errors.items()
-            if name not in outputs
-        ]
-        if allowed:
-            text += f" The sensors allow {', '.join(allowed)} there."
         unit = "part of the reading" if key == "gain" else "unit of the readings"
         yield Plot(
             f"disturbed_{key}",
@@ -194,5 +178,4 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
             "mean error %",
             {plain(name): points for name, points in errors.items()},
             text,
-            looks,
         )

@@ -11,7 +11,6 @@ from tactus.report.draw.learned import learned_curves
 from tactus.report.draw.load import has_load, profile
 from tactus.report.draw.network import network
 from tactus.report.draw.svg import Picture
-from tactus.report.draw.swing import COORDINATES, moves, swing
 from tactus.report.draw.waveforms import waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.scene import Scene
@@ -86,14 +85,3 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         )
     else:
         yield Skipped("Load profile", f"it needs outputs {', '.join(RESULTS)} with lengths")
-    if moves(scene):
-        yield Picture(
-            "motion",
-            "Motion of the swing and its estimates",
-            swing(scene),
-            "A run that the networks were not trained on: the motion, the bit-true estimate, and "
-            "below each the difference.",
-            wide=True,
-        )
-    else:
-        yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")

@@ -1,10 +1,14 @@
 """What networks of four outputs cost, ours and the printed ones: clocks, errors, LUTs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tactus.errors import held_out_means, scene_errors
+from tactus.physics.digit_data import RECORDED
 from tactus.report.draw.named import Named, drawn, front
-from tactus.report.measure.table import Row, Table, number, rows_of
+from tactus.report.measure.networks import FAMILY, scenes
 from tactus.scene import load_scene, thesis_table
+from tactus.synth.budget import is_recorded, read_budget
 
 # The clocks of a scan of the thesis' front end, within which every network must finish.
 SCAN_CLOCKS = 4096
@@ -14,13 +18,12 @@ PRINTED = {
     "cascade": ("digit.cascade_b", "digit-thesis"),
     "single": ("digit.hybrid", "digit-single-thesis"),
 }
-WORST, AFTER = "largest %", "clocks after the last sample"
 ACROSS = "clocks from the last sample to the last output"
 
 
 @dataclass(frozen=True)
-class Design:
-    """A network in the pictures; ``error`` is that of its worst output, in per cent."""
+class Printed:
+    """A network that the thesis prints; ``error`` is that of its worst output, in per cent."""
 
     name: str
     luts: float
@@ -28,7 +31,46 @@ class Design:
     error: float
 
 
-def printed_designs() -> list[Design]:
+@dataclass(frozen=True)
+class Design(Printed):
+    """A network of four outputs, with its recorded cells.
+
+    error: The largest mean error at a position, of the worst output.
+    held_out: The largest mean error of an output on held-out rows, if it is known.
+    """
+
+    multipliers: int
+    block_rams: int
+    held_out: float | None
+
+
+def measured() -> list[Design]:
+    """The networks of four outputs that finish within a scan and have recorded cells.
+
+    Instruments are left out, because they wait for their scan.
+    """
+    found = []
+    for scene in scenes():
+        four = len(scene.outputs) == 4 and scene.data_paths == (RECORDED,)
+        if not four or not is_recorded(scene.path) or scene.twin().interval >= SCAN_CLOCKS:
+            continue
+        design = scene.twin()
+        cells = read_budget(scene.path)[FAMILY][design.entity]
+        found.append(
+            Design(
+                scene.name.removeprefix("comparison/"),
+                cells["LUT"],
+                design.output_clocks[-1],
+                max(error.largest_mean for error in scene_errors(scene)["bit-true"]),
+                cells["multiplier"],
+                cells["block RAM"],
+                max(held_out_means(scene) or [], default=None),
+            )
+        )
+    return found
+
+
+def printed_designs() -> list[Printed]:
     """The networks that the thesis prints, at the clocks of ours of the same form.
 
     The thesis itself prints no time for a frame.
@@ -38,46 +80,26 @@ def printed_designs() -> list[Design]:
         printed = thesis_table(key)
         luts = printed["luts_percent"] * device["luts4"] / 100
         clocks = load_scene(scene).twin().output_clocks[-1]
-        found.append(Design(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
+        found.append(Printed(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
     return found
 
 
-def network_rows(table: Table) -> list[Row]:
-    """The networks of four outputs that finish within a scan and have recorded cells.
-
-    Instruments are left out, because they wait for their scan.
-    """
-    return [
-        row
-        for row in rows_of(table, data="appendix2", outputs=4)
-        if row["LUT"] is not None and number(row, "interval clocks") < SCAN_CLOCKS
-    ]
-
-
-def scene_of(row: Row) -> str:
-    """The name of a row's scene, without its folder."""
-    return str(row["scene"]).removeprefix("comparison/")
-
-
-def designs(table: Table) -> list[Design]:
+def _shown(found: Sequence[Design]) -> list[Printed]:
     """Those networks and the printed ones, the one with the fewest LUTs first."""
-    found = [
-        Design(scene_of(row), number(row, "LUT"), number(row, AFTER), number(row, WORST))
-        for row in network_rows(table)
-    ]
-    return sorted([*found, *printed_designs()], key=lambda one: (one.luts, one.clocks, one.name))
+    every = [*found, *printed_designs()]
+    return sorted(every, key=lambda one: (one.luts, one.clocks, one.name))
 
 
-def area(table: Table) -> str:
+def area(found: Sequence[Design]) -> str:
     """Clocks against LUTs. Each name tells the error too."""
-    points = [Named(f"{d.name}, {d.error:.2f} %", d.clocks, d.luts) for d in designs(table)]
+    points = [Named(f"{d.name}, {d.error:.2f} %", d.clocks, d.luts) for d in _shown(found)]
     title = "The same four outputs: area against clocks, and the error of the worst output"
     return _picture(points, "area", title, ACROSS, "Virtex-II LUTs, entity by entity")
 
 
-def networks(table: Table) -> str:
+def networks(found: Sequence[Design]) -> str:
     """Clocks against the error of the worst output."""
-    points = [Named(one.name, one.clocks, one.error) for one in designs(table)]
+    points = [Named(one.name, one.clocks, one.error) for one in _shown(found)]
     clock = float(thesis_table("board")["clock_mhz"])
     across = f"{ACROSS}; {clock:g} are 1 µs for the thesis"
     title = "The same four outputs: error against clocks"

@@ -79,17 +79,19 @@ def plain(name: str) -> str:
     return f" {text}" if text.startswith("_") else text
 
 
-def svg(figure: Figure, name: str, title: str, narrowest: float = 0) -> str:
+def svg(figure: Figure, name: str, title: str, narrowest: float = 0, tight: bool = False) -> str:
     """A matplotlib figure as one ``<svg>`` element.
 
     name: The prefix of every id, so that no two pictures of a page share an id. It has letters,
         digits and ``_``.
     title: For readers who do not see the figure.
     narrowest: In CSS pixels. On a page narrower than this it scrolls sideways.
+    tight: Whether it is as large as what is drawn, and not as the figure.
     """
-    buffer = io.StringIO()
+    buffer, box = io.StringIO(), "tight" if tight else None
+    about = {"Date": None, "Creator": None}
     with style():
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(buffer, format="svg", metadata=about, bbox_inches=box)
     text = own_ids(buffer.getvalue().partition("<svg")[2], name)
     # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
     text = re.sub(r'(?<= d=")[^"]+', lambda way: re.sub(r"(\.\d\d)\d+", r"\1", way[0]), text)
@@ -112,6 +114,7 @@ def own_ids(text: str, name: str) -> str:
     return re.sub(r'href="#', f'href="#{name}-', text)
 
 
+INK, FAINT, ACCENT = "#111111", "#999999", "#1f5fa8"
 COLOURS = (
     *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
     *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
@@ -121,11 +124,10 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
 
 @dataclass(frozen=True)
 class Look:
-    """The colour and the marker of a group, and whether the marker is filled."""
+    """The colour and the marker of a group."""
 
     colour: str
     marker: str
-    filled: bool = True
 
 
 def nth(index: int) -> Look:

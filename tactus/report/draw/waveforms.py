@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from tactus.report.draw.drawing import FAINT, INK, text_width
-from tactus.report.draw.svg import style, svg
+from tactus.report.draw.svg import FAINT, INK, style, svg
 from tactus.report.measure.simulated_frame import Row
 
 # Lengths are CSS pixels. Those of a clock are enough for a value, or for one that stands upright.
@@ -23,6 +22,11 @@ POINTS = 72 / 96
 # which all flags are low is drawn as so many clocks at either end and a gap.
 MOST_CLOCKS, AT_AN_END = 300, 2
 VALUE, NAME, OWNER = 9.0 * POINTS, 10.0 * POINTS, 11.0 * POINTS
+
+
+def text_width(words: str, size: float) -> float:
+    """The approximate width of ``words``, wide enough for the usual sans-serif fonts."""
+    return 0.6 * size * len(words)
 
 
 def waveforms(ports: Sequence[Row], title: str) -> str:

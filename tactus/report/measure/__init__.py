@@ -1,1 +1,1 @@
-"""The tables of ``make figures``, and how each is measured."""
+"""The tables of reports and pages, and how each is measured."""

@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 
 from tactus.errors import FRAMES, disturbed_errors, full_scale_of
-from tactus.report.measure.bounds import bounds_of
 from tactus.report.measure.table import Cell, Table
-from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene import Scene
 from tactus.scene.disturbance import Disturbance
 
 # For each field of ``Disturbance``: its name for a reader, and its sizes. Those of noise and offset
@@ -16,8 +15,6 @@ KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
     "offset": ("offset drift", (0.001, 0.002, 0.005, 0.01, 0.02)),
 }
 NONE = "as recorded"
-# This text after the name of an output marks the bound that its sensors allow.
-BOUND = ", bound"
 MEANING = (
     "The figures are bit-true mean errors in percent on all recorded rows, with disturbed "
     "readings. Sizes are standard deviations. Those of noise and offsets are in the unit of the "
@@ -28,7 +25,7 @@ MEANING = (
 )
 
 
-def disturbances(full_scale: float = 1.0) -> Iterator[tuple[str, float, Disturbance]]:
+def disturbances(full_scale: float) -> Iterator[tuple[str, float, Disturbance]]:
     """Every kind and size of disturbance for a full scale, beginning with none."""
     yield NONE, 0.0, Disturbance()
     for key, (kind, parts) in KINDS.items():
@@ -37,41 +34,11 @@ def disturbances(full_scale: float = 1.0) -> Iterator[tuple[str, float, Disturba
             yield kind, size, Disturbance(**{key: size})
 
 
-def disturbed(scene: Scene, seed: int) -> list[list[Cell]]:
-    """The kind, the size and the error of every output of a scene, for each disturbance."""
-    return [
-        [kind, size, *disturbed_errors(scene, disturbance, seed)]
-        for kind, size, disturbance in disturbances(full_scale_of(scene))
-    ]
-
-
 def noise_and_drift(scene: Scene, seed: int) -> Table:
     """The table of one scene, with a row for each disturbance and a column for each output."""
     columns = ["disturbance", "size", *(f"{name} %" for name in scene.outputs)]
-    rows, note = disturbed(scene, seed), MEANING
-    # If the sensors have no common scale, the sizes are parts of each.
-    kind, sizes = KINDS["noise"]
-    bounds = bounds_of(scene, sizes)
-    for name, bound in bounds.items():
-        columns.append(f"{name}{BOUND} %")
-        known: dict[Cell, float] = dict(zip(sizes, bound, strict=True))
-        rows = [[*row, known[row[1]] if row[0] == kind else None] for row in rows]
-    if bounds:
-        note += (
-            " The bound is that of Cramer and Rao for this noise alone and a known shape; no "
-            "estimator that "
-            "is right on average errs less (docs/limits.md)."
-        )
-    return Table("noise_and_drift", columns, rows, note)
-
-
-def disturbance(seed: int) -> Table:
-    """Every output of every shipped scene, with a column for each disturbance."""
-    rows: list[list[Cell]] = []
-    for scene in map(load_scene, scene_names()):
-        _, _, *errors = zip(*disturbed(scene, seed), strict=True)
-        rows += [
-            [scene.name, name, *found] for name, found in zip(scene.outputs, errors, strict=True)
-        ]
-    headings = [f"{kind} {size:g}" if size else NONE for kind, size, _ in disturbances()]
-    return Table("disturbance", ["scene", "output", *headings], rows, MEANING)
+    rows: list[list[Cell]] = [
+        [kind, size, *disturbed_errors(scene, disturbance, seed)]
+        for kind, size, disturbance in disturbances(full_scale_of(scene))
+    ]
+    return Table("noise_and_drift", columns, rows, MEANING)

@@ -6,17 +6,15 @@ measured again when only a page of the report changes.
 
 import platform
 import time
-from collections.abc import Callable, Collection, Iterable
-from functools import cache, partial
+from collections.abc import Callable, Iterable
+from functools import cache
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 from tactus.core import store
 from tactus.core.closure import code
 from tactus.core.fingerprint import ROOT, fingerprint
-from tactus.report.measure.registry import TABLES
-from tactus.report.measure.table import SEED, Table
+from tactus.report.measure.table import Table
 
 # A function that is told the name of a part, the seconds that it took, and whether it was kept.
 Progress = Callable[[str, float, bool], None]
@@ -36,9 +34,7 @@ def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Ke
 @cache
 def _data() -> str:
     """A digest of the data that tables read."""
-    shipped = [ROOT / name for name in ("scenes", "tactus/physics/rigs")]
-    own = Path(__file__).parent
-    return fingerprint([*shipped, *sorted([*own.glob("*.csv"), *own.glob("*.toml")])])
+    return fingerprint([ROOT / "scenes"])
 
 
 def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
@@ -56,17 +52,3 @@ def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
 def packed(table: Table) -> dict[str, Any]:
     """A table as the store holds it: the arguments of ``Table``."""
     return {"name": table.name, **table.as_data()}
-
-
-def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
-    """The tables of these names, those that are not kept measured now."""
-    return {name: Table(**cached(table_key(name), tell, partial(_table, name))) for name in names}
-
-
-def table_key(name: str) -> store.Key:
-    """What a table hangs on: the code that measures it."""
-    return part_key(name, [TABLES[name].__module__], seed=SEED)
-
-
-def _table(name: str) -> dict[str, Any]:
-    return packed(TABLES[name](SEED))

@@ -17,7 +17,6 @@ from tactus.report.draw.outcome import (
 )
 from tactus.report.draw.pictures import draw
 from tactus.report.draw.svg import Picture
-from tactus.report.measure import motions
 from tactus.report.measure.classes import accuracy, per_class, wrong_rows
 from tactus.report.measure.costs import Costs, blocks, costs
 from tactus.report.measure.designs import designs, refused_lines
@@ -32,7 +31,7 @@ from tactus.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tactus.report.measure.steps import Progress, cached, measured, packed, part_key
+from tactus.report.measure.steps import Progress, cached, packed, part_key
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
 from tactus.report.page.page import Page, Section
@@ -71,7 +70,6 @@ def content(scene: Scene, tell: Progress) -> Page:
         errors = _drawn(predicted_plots(found))
     if places:
         errors += _drawn([along_plot(found, places)])
-    moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None
     sections = [
         _verified(scene),
         _errors(found, errors, places),
@@ -98,8 +96,8 @@ def content(scene: Scene, tell: Progress) -> Page:
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
-        summary.errors(found, moved),
-        summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
+        summary.errors(found),
+        summary.cost_table(scene, design, cost, compared=bool(scene.reference)),
         [section for section in sections if section is not None],
     )
 

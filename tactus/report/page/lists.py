@@ -7,13 +7,21 @@ program knows is written as the site is built (``made``).
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_pair import BipartitePair
+from golden.activation.lut import Lut
+from golden.activation.precise import Precise
+from golden.activation.rom import Rom
+from golden.common.block import Block
+from golden.engine.program_memory import ProgramMemory
+from golden.engine.program_ram import ProgramRam
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.numbers.real import Real
@@ -22,24 +30,14 @@ from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
 from tactus.errors import held_out_means, scene_errors
-from tactus.report.draw.overview import overview
-from tactus.report.draw.overview import wishes as draw_wishes
-from tactus.report.draw.run_time import (
-    AFTER,
-    PRINTED,
-    SCAN_CLOCKS,
-    WORST,
-    area,
-    network_rows,
-    scene_of,
-)
-from tactus.report.draw.run_time import networks as draw_networks
-from tactus.report.measure.left_out import LEAN, WHOLE, left_out, words
-from tactus.report.measure.networks import clocks, clocks_per_frame
-from tactus.report.measure.table import SEED, Row, Table, markdown, number, read_csv, rows_of
+from tactus.report.draw import run_time
+from tactus.report.draw.run_time import PRINTED, SCAN_CLOCKS, Design
+from tactus.report.measure.networks import clocks_per_frame
+from tactus.report.measure.table import markdown
 from tactus.scene import load_scene, thesis_table
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 from tactus.synth.budget import read_budget
+from tactus.synth.lean import read_lean
 
 COMMAND = "python -m tactus.report.page.lists"
 # The networks that the pages show.
@@ -56,7 +54,6 @@ WISHES = {
 }
 ONE_OUTPUT = "digit-load"
 PRUNED = (0.1, 0.25, 0.5)
-HELD_OUT = "held out %"
 
 
 def headline() -> str:
@@ -89,38 +86,39 @@ def headline() -> str:
     return markdown(" | thesis, printed | thesis, rebuilt | our own", rows)
 
 
-def against_run_time(networks: Table) -> Iterator[str]:
+def against_run_time(networks: Sequence[Design]) -> Iterator[str]:
     """The default network beside the thesis' cascade, by the same measures; and the scan."""
-    default, rebuilt = (_network(networks, scene) for scene in (SHOWN, REBUILT))
+    named = {one.name: one for one in networks}
+    default, rebuilt = named[SHOWN], named[REBUILT]
     clock = float(thesis_table("board")["clock_mhz"])
-    ratio = number(default, AFTER) / number(rebuilt, AFTER)
 
-    def told(row: Row) -> str:
+    def told(one: Design) -> str:
         return (
-            f"errs by {number(row, HELD_OUT):.2f} % on held-out rows, in {_us(row, clock)} µs on "
-            f"{number(row, 'multiplier'):.0f} multiplier{'s' * (number(row, 'multiplier') != 1)}, "
-            f"{number(row, 'block RAM'):.0f} block RAMs and {number(row, 'LUT'):,.0f} LUTs"
+            f"errs by {one.held_out:.2f} % on held-out rows, in {one.clocks / clock:.2f} µs on "
+            f"{one.multipliers} multiplier{'s' * (one.multipliers != 1)}, "
+            f"{one.block_rams} block RAMs and {one.luts:,.0f} LUTs"
         )
 
     yield (
         f"**The default network (scene `{SHOWN}`) {told(default)}; the thesis' cascade, rebuilt "
-        f"(`{REBUILT}`), {told(rebuilt)}.** So the default is {ratio:.1f} times as slow, and "
+        f"(`{REBUILT}`), {told(rebuilt)}.** So the default is "
+        f"{default.clocks / rebuilt.clocks:.1f} times as slow, and "
         "both are much faster than the scan of the sensors, for which they wait."
     )
     yield ""
     printed = thesis_table(PRINTED["cascade"][0])
-    rows = [
+    rows: list[list[object]] = [
         [
-            name,
-            f"{number(row, HELD_OUT):.2f}",
-            f"{number(row, WORST):.2f}",
-            f"{number(row, AFTER):,.0f}",
-            _us(row, clock),
-            f"{number(row, 'LUT'):,.0f}",
-            f"{number(row, 'multiplier'):.0f}",
-            f"{number(row, 'block RAM'):.0f}",
+            f"`{one.name}`",
+            f"{one.held_out:.2f}",
+            f"{one.error:.2f}",
+            f"{one.clocks:,.0f}",
+            f"{one.clocks / clock:.2f}",
+            f"{one.luts:,.0f}",
+            one.multipliers,
+            one.block_rams,
         ]
-        for name, row in ((f"`{SHOWN}`", default), (f"`{REBUILT}`", rebuilt))
+        for one in (default, rebuilt)
     ]
     error = f"{max(printed['simulation']):.2f}; {max(printed['real_time']):.2f} with real sensors"
     rows.append(["cascade, as printed", "", error, "", "", *_printed_cells(printed), ""])
@@ -146,33 +144,38 @@ def _printed_cells(printed: Mapping[str, Any]) -> Iterator[str]:
         yield f"about {printed[share] * device[kind] / 100:,.0f}"
 
 
-def _network(networks: Table, scene: str) -> Row:
-    (found,) = (row for row in rows_of(networks) if scene_of(row) == scene)
-    return found
-
-
-def _us(row: Row, clock: float) -> str:
-    return f"{number(row, AFTER) / clock:.2f}"
-
-
-def kept(scenes: Table) -> dict[str, tuple[float, float]]:
-    """How much of the whole is built, by kind, for a picture of the page's headline."""
-    (row,) = rows_of(scenes, scene=REBUILT)
-    one, every = (clocks_per_frame(load_scene(name).twin()) for name in (ONE_OUTPUT, SHOWN))
-    return {
-        "LUTs": (number(row, f"LUT, {LEAN}"), number(row, f"LUT, {WHOLE}")),
-        "words of ROM": (number(row, f"words, {LEAN}"), number(row, f"words, {WHOLE}")),
-        "clocks for load": (one, every),
-    }
-
-
-def headline_left_out(scenes: Table) -> str:
+def headline_left_out() -> str:
     """How much of the whole is built, in a sentence."""
-    luts, rom, clocks = (f"{part:,.0f} of {whole:,.0f}" for part, whole in kept(scenes).values())
+    rebuilt = load_scene(REBUILT)
+    cells = read_lean(rebuilt.path)
+    rom, every = words(rebuilt.twin()), words(rebuilt.twin(lean=False))
+    one, four = (clocks_per_frame(load_scene(name).twin()) for name in (ONE_OUTPUT, SHOWN))
     return (
-        f"**Built as in the thesis, `{REBUILT}` takes {luts} LUTs and {rom} words of ROM. Asked "
-        f"for the load alone, `{SHOWN}` takes {clocks} clocks.**"
+        f"**Built as in the thesis, `{REBUILT}` takes {cells.lean['LUT']:,} of "
+        f"{cells.whole['LUT']:,} LUTs and {rom} of {every} words of ROM. Asked for the load alone, "
+        f"`{SHOWN}` takes {one} of {four} clocks.**"
     )
+
+
+def words(block: Block) -> int:
+    """The words of all programs and tables in a block, counted as often as they are built."""
+    return _words(block) + sum(map(words, block.parts()))
+
+
+def _words(part: Block) -> int:
+    if isinstance(part, Engine) and part.alone:
+        return part.program.rows + len(part.program.words)
+    if isinstance(part, ProgramRam):
+        return 1 << part.addr_width
+    if isinstance(part, ProgramMemory | Rom | Lut):
+        return len(part.words)
+    if isinstance(part, Precise):
+        return part.words
+    if isinstance(part, BipartitePair):
+        return _words(part.activation)
+    if isinstance(part, Bipartite):
+        return len(part.bases) + len(part.corrections)
+    return 0
 
 
 def program_rows() -> str:
@@ -201,7 +204,7 @@ def _pruned(weights: Real, part: float) -> Real:
 
 def wishes(found: dict[Path, str]) -> str:
     """What tactus was asked to show, each with the headline of its page."""
-    lines = ["![What was asked for, each in a picture](docs/wishes.svg)", ""]
+    lines = []
     for wish, page in WISHES.items():
         path = ROOT / "docs" / page
         text = found.get(path) or path.read_text(encoding="utf-8")
@@ -209,13 +212,6 @@ def wishes(found: dict[Path, str]) -> str:
         assert headline, page
         lines.append(f"- [{wish}](docs/{page}): {' '.join(headline[1].split())}")
     return "\n".join(lines)
-
-
-def parts_of_bounds() -> list[float]:
-    """The figure of each stiff or extreme case as a part of its bound, where that is above 0."""
-    columns, rows = read_csv(ROOT / "studies" / "stability" / "result.csv")
-    value, bound = columns.index("value"), columns.index("bound")
-    return [float(row[value] or 0) / float(row[bound] or 0) for row in rows if row[bound]]
 
 
 def editor_schema() -> str:
@@ -226,8 +222,7 @@ def editor_schema() -> str:
 def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     docs = ROOT / "docs"
-    networks = clocks(SEED)
-    lean = left_out(SEED)
+    networks = run_time.measured()
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "headline", headline),
         (
@@ -235,7 +230,7 @@ def pages() -> dict[Path, str]:
             "headline",
             lambda: "\n".join(against_run_time(networks)),
         ),
-        (docs / "left-out.md", "headline", lambda: headline_left_out(lean)),
+        (docs / "left-out.md", "headline", headline_left_out),
         (docs / "left-out.md", "programs", program_rows),
     ]
     found: dict[Path, str] = {}
@@ -243,16 +238,8 @@ def pages() -> dict[Path, str]:
         before = found.get(page) or page.read_text(encoding="utf-8")
         found[page] = put(page, before, text(), COMMAND, section)
     found[EDITOR_SCHEMA] = editor_schema()
-    found[docs / "overview.svg"] = overview(load_scene(SHOWN))
-    found[docs / "area.svg"] = area(networks) + "\n"
-    found[docs / "wishes.svg"] = draw_wishes(
-        network_rows(networks),
-        (SHOWN, REBUILT),
-        float(thesis_table("board")["clock_mhz"]),
-        parts_of_bounds(),
-        kept(lean),
-    )
-    found[docs / "error-against-run-time" / "networks.svg"] = draw_networks(networks) + "\n"
+    found[docs / "area.svg"] = run_time.area(networks) + "\n"
+    found[docs / "error-against-run-time" / "networks.svg"] = run_time.networks(networks) + "\n"
     readme = ROOT / "README.md"
     found[readme] = put(readme, found[readme], wishes(found), COMMAND, "wishes")
     return found

@@ -9,7 +9,7 @@ from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from tactus.report.measure.costs import Costs
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
-from tactus.report.measure.table import Cell, Table, number, rows_of
+from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, thesis_figures
 from tactus.scene.codes import hidden_saturations, range_lines
 from tactus.synth.timing import DEVICE_NAME
@@ -39,11 +39,9 @@ def built(scene: Scene, design: Network) -> list[str]:
     ]
 
 
-def errors(found: Outcome, moved: Table | None) -> Table:
+def errors(found: Outcome) -> Table:
     """The errors of every output, as recorded and with noise, and those of the reference."""
     scene = found.scene
-    if moved is not None:
-        return _motion_errors(scene, moved)
     known = scene_errors(scene)
     columns = ["output", "held out %", "mean %", "largest %", "worst %"]
     columns += [f"noise {noise:g} %" for noise in found.noisy]
@@ -73,21 +71,6 @@ def errors(found: Outcome, moved: Table | None) -> Table:
 
 def _without(place: int, cells: list[Any]) -> list[Any]:
     return [*cells[:place], *cells[place + 1 :]]
-
-
-def _motion_errors(scene: Scene, motions: Table) -> Table:
-    rows: list[list[Cell]] = []
-    for output in scene.outputs:
-        runs = rows_of(motions, scene=scene.name, output=output)
-        worst = max(runs, key=lambda row: number(row, "bit-true %"))
-        rows.append([output, *(worst[key] for key in ("float %", "bit-true %", "printed %"))])
-    return Table(
-        "errors",
-        ["output", "float %", "bit-true %", "thesis %"],
-        rows,
-        "The figures are errors by equation 6.6 on the worst of four runs on which the networks "
-        "were not trained. The thesis measured on another rig (Table 6.2).",
-    )
 
 
 def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
