@@ -148,12 +148,6 @@ def outputs_of(scene: Scene, codes: Codes) -> Real:
     return scene.outputs_in_units(codes)
 
 
-def code_steps(scene: Scene) -> Real:
-    """The standard deviation of each input within one code, in the unit of its sensor."""
-    factors = np.array([scale.factor for scale in scene.scales(scene.inputs)])
-    return factors / (2**SIGNAL.frac * math.sqrt(12))
-
-
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     """The states that trained the networks of a scene, and in words which rows show them.
 
@@ -172,20 +166,19 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
         which = f"all {len(recorded.inputs)} recorded rows; {known}"
     ranged = recorded.targets if everything else recorded.targets[rows]
     held = np.concatenate([split.validation, split.test])
-    stretches = None if scene.training.split == "random" else stretches_of(held)
+    # Rows that follow each other are one stretch.
+    stretches = 1 + int((np.diff(np.sort(held)) > 1).sum())
     held, rows = thinned(held, MOST_HELD), thinned(rows, MOST_FITTED)
+    factors = np.array([scale.factor for scale in scene.scales(scene.inputs)])
     states = learnt(
         scene.outputs,
         recorded.inputs[rows],
         recorded.targets[rows],
         recorded.inputs[held],
         hardware_outputs(scene, recorded.inputs[held]),
-        code_steps(scene),
+        # The standard deviation of each input within one code.
+        factors / (2**SIGNAL.frac * math.sqrt(12)),
         (ranged.min(axis=0), ranged.max(axis=0)),
-        stretches,
+        None if scene.training.split == "random" else stretches,
     )
     return states, which
-
-
-def stretches_of(rows: Codes) -> int:
-    return 1 + int((np.diff(np.sort(rows)) > 1).sum())

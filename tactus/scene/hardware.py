@@ -1,7 +1,5 @@
 """The section ``[hardware]`` of a scene: its keys, and which of them go together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

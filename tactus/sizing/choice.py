@@ -47,12 +47,12 @@ class Demand:
         pairs = ((clocks, self.clocks), (interval, self.interval))
         return max([got / most for got, most in pairs if most], default=0.0)
 
-    def refuse(self, network: Network, design: str, more: str = "") -> None:
+    def refuse(self, network: Network, design: str) -> None:
         clocks, interval = network.output_clocks[-1], network.interval
         if self.clocks and clocks > self.clocks:
             raise InputError(
                 f"hardware.clocks: got {self.clocks}, expected {clocks} or more, which {design} "
-                f"takes from the last sample to the last output{more}"
+                f"takes from the last sample to the last output"
             )
         if self.interval and interval > self.interval:
             given = f"hardware.interval: got {self.interval}"
@@ -63,7 +63,7 @@ class Demand:
                 )
             raise InputError(
                 f"{given}, expected {interval} clocks or more, which {design} takes from frame to "
-                f"frame{more}"
+                "frame"
             )
 
 

@@ -1,9 +1,6 @@
 """The rows that train a network, those that choose it, and those that are kept out of both."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +11,6 @@ from tactus.core.table import read_groups, rows_where
 from tactus.scene import Scene
 from tactus.scene.scale import AUTO, range_scale
 from tactus.scene.vectors import read_recorded
-
-if TYPE_CHECKING:
-    from tactus.scene import Scene
-
 
 Numbers = NDArray[np.int64]
 
