@@ -16,6 +16,7 @@ from shared import Shared
 
 from golden.input_error import suggest
 from golden.layers import sharing
+from golden.trained.dense import Trained
 from tactus.core.commands import COMMANDS, EVERYWHERE
 from tactus.core.machine import closing
 from tactus.core.store import VARIABLE
@@ -118,6 +119,12 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
     """A 3:5:2 scene ``mine.toml`` in exact precision, and a way to call commands on it."""
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     return Desk(tmp_path, monkeypatch, capfd)
+
+
+def on_engine(folder: Path, networks: list[Trained], **options: Any) -> Path:
+    """A scene ``mine.toml`` of networks on an engine, written with options of ``write_scene``."""
+    wanted = {"activation": "precise", "design": "engine", **options}
+    return write_scene(folder, "mine", "exact", networks, **wanted)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from board_cells import expected_of, frames_of, play
+from conftest import on_engine
 from refused import Desk
 from shared import Shared, printed
 
@@ -24,7 +25,6 @@ from tactus.core.store import VARIABLE
 from tactus.export.exporter import export
 from tactus.scene import Scene, load_scene
 from tactus.synth import tools
-from tactus.verify.benches.written import write_scene
 from tactus.verify.sign_off.cell_models import models_for
 from tb.common.cases import FRONT_END, random_mlp
 
@@ -36,17 +36,8 @@ LINE = "\n[uart]\n"
 
 def scene_with(folder: Path, clock_mhz: float, sections: str = CONVERTER + LINE) -> Scene:
     """The smallest possible instrument, on an engine."""
-    path = write_scene(
-        folder,
-        "tiny",
-        "exact",
-        [random_mlp((1, 1, 3), 1.0, 1)],
-        activation="precise",
-        design="engine",
-        sections=sections,
-        hardware=f"clock_mhz = {clock_mhz}",
-    )
-    return load_scene(str(path))
+    mlp, hardware = random_mlp((1, 1, 3), 1.0, 1), f"clock_mhz = {clock_mhz}"
+    return load_scene(str(on_engine(folder, [mlp], sections=sections, hardware=hardware)))
 
 
 @pytest.mark.parametrize("name", board_names())
@@ -176,9 +167,9 @@ def test_the_pins_files_name_every_pin_that_is_used(tmp_path: Path) -> None:
 def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """It makes a bitstream, takes it from the store later, and refuses a slow one."""
     scene_with(desk.folder, 12.0)
-    assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")
-    folder = desk.folder / "build" / "tiny" / "bitstream" / "icebreaker"
-    packed = (folder / "tiny.bin").read_bytes()
+    assert desk.call("bitstream", "mine.toml", "icebreaker") == (0, "")
+    folder = desk.folder / "build" / "mine" / "bitstream" / "icebreaker"
+    packed = (folder / "mine.bin").read_bytes()
     facts = json.loads((folder / "bitstream.json").read_text())
     assert facts["sha256"] == hashlib.sha256(packed).hexdigest()
     # A bitstream of an iCE40 begins with these bytes, after its comment.
@@ -191,13 +182,13 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(tools, "run_tool", none)
     monkeypatch.setattr(bitstream, "run_tool", none)
-    assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")
-    assert (folder / "tiny.bin").read_bytes() == packed
+    assert desk.call("bitstream", "mine.toml", "icebreaker") == (0, "")
+    assert (folder / "mine.bin").read_bytes() == packed
 
     slow = {"report": facts["report"] | {"clock_mhz": 11.5}, "bitstream": ""}
     monkeypatch.setattr(bitstream, "stored", lambda *_, **__: slow)
     says = "iCEBreaker, iCE40UP5K: 11.5 MHz reached, 12 MHz needed"
-    desk.refuses("bitstream", "tiny.toml", "icebreaker", says=says)
+    desk.refuses("bitstream", "mine.toml", "icebreaker", says=says)
 
 
 @pytest.mark.parametrize(("name", "board"), SHIPPED)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import tiered
+from conftest import on_engine, tiered
 
 from golden.input_error import InputError, naming
 from golden.numbers.fixed import Fix
@@ -141,14 +141,7 @@ def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Path,
     folder.mkdir()
     small, limit = mounted(folder), lambda: None
     try:
-        write_scene(
-            folder,
-            "mine",
-            "exact",
-            [random_mlp((3, 5, 2), 1.0, 1)],
-            design="engine",
-            activation="precise",
-        )
+        on_engine(folder, [random_mlp((3, 5, 2), 1.0, 1)])
         if request.param == "full" and small:
             (folder / "ballast").write_bytes(bytes(shutil.disk_usage(folder).free))
         elif request.param == "full":

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import on_engine
 from refused import Desk
 
 from golden.input_error import InputError
@@ -168,10 +169,7 @@ def rig(folder: Path, part: str, recorded: np.ndarray, keys: str = "", reference
         random_mlp((3, 5, 2), 1.0, 1), [Scale(2048, 2048)] * 3, [Scale(0, 25), Scale(0, 100)]
     )
     sections = f'{FRONT_END}converter = "{part}"\ncounter_width = 13\n{reference}'
-    path = write_scene(
-        folder, "mine", "exact", [mlp], activation="precise", design="engine", sections=sections,
-        rows=len(recorded),
-    )  # fmt: skip
+    path = on_engine(folder, [mlp], sections=sections, rows=len(recorded))
     csv = path.with_suffix(".csv")
     names = [*SENSORS, "y0", "y1"]
     targets = read_table(csv, ["y0", "y1"]) * [25, 100]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import random_mlp, write_scene
+from conftest import on_engine, random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -184,7 +184,7 @@ def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
 
 def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
     mlps = [random_mlp((2, 2, 1), 1.0, 3)]
-    path = write_scene(tmp_path, "listed", "exact", mlps, activation="precise", design="engine")
+    path = on_engine(tmp_path, mlps)
     monkeypatch.setattr("sys.argv", ["listing", str(path)])
     main()
     head, columns, *lines = capsys.readouterr().out.splitlines()

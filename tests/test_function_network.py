@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import on_engine
 from test_engine import random_codes
 
 from golden.engine.bounds import error_bounds
@@ -23,7 +24,6 @@ from tactus.report.draw.learned import nodes_of, scene_nodes
 from tactus.report.draw.pictures import pictures
 from tactus.report.draw.svg import ACCENT, Picture
 from tactus.scene import load_scene
-from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_learned
 
 # One edge of each kind reaches every sum.
@@ -167,16 +167,9 @@ def test_the_picture_of_a_scene_has_every_function(tmp_path: Path, arrangement: 
     single = arrangement == "single"
     one = FunctionNetwork([[BENT, 0.25, None]], [[STEEP]], [0.1], [2.0])
     two = FunctionNetwork([[BENT, None, 0.5, BENT]], [[STEEP]], [0.0], [1.0], 1)
-    path = write_scene(
-        tmp_path,
-        "bent",
-        "exact",
-        [network()] if single else [one.layers(), two.layers()],
-        arrangement,
-        activation="precise",
-        design="engine",
-        hardware="segment_width = 11",
-    )
+    networks = [network()] if single else [one.layers(), two.layers()]
+    keys = "segment_width = 11"
+    path = on_engine(tmp_path, networks, arrangement=arrangement, hardware=keys)
     scene = load_scene(str(path))
     nodes = scene_nodes(scene)
     names = {

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import on_engine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_engine import random_codes
@@ -23,7 +24,6 @@ from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
 from golden.trained.function import Function
 from tactus.scene import load_scene
 from tactus.scene.codes import saturating
-from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_network
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
@@ -177,15 +177,7 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
 
 
 def scene_of(folder: Path, kinds: str = '["table:softsign"]') -> Path:
-    path = write_scene(
-        folder,
-        "own",
-        "exact",
-        [network((2, 3, 1), ("table:softsign",))],
-        activation="precise",
-        design="engine",
-        functions=(SOFTSIGN, BELL),
-    )
+    path = on_engine(folder, [network((2, 3, 1), ("table:softsign",))], functions=(SOFTSIGN, BELL))
     path.write_text(path.read_text().replace("hidden = 3", f"hidden = 3\nactivations = {kinds}"))
     return path
 
@@ -226,19 +218,11 @@ def test_sums_beyond_a_table_are_named(tmp_path: Path, function: Function, reach
         functions=(function,) * 2,
     )
     dense = network_of([first, Dense(np.array([[0.01, 0.1]]), np.zeros(1))])
-    path = write_scene(
-        tmp_path,
-        "own",
-        "exact",
-        [dense],
-        activation="precise",
-        design="engine",
-        functions=(GELU, BELL),
-    )
+    path = on_engine(tmp_path, [dense], functions=(GELU, BELL))
     text = path.read_text()
     points = (
         f"points = {{ x = {[x for x, _ in POINTS.points]}, y = {[y for _, y in POINTS.points]} }}"
     )
     path.write_text(text.replace("[network.functions]", f"[network.functions]\n{points}"))
-    expected = "own.npz: layer 1: sums reach 20 in 12 of 12 recorded frames; beyond -8 and 8 gelu"
+    expected = "mine.npz: layer 1: sums reach 20 in 12 of 12 recorded frames; beyond -8 and 8 gelu"
     assert saturating(load_scene(str(path))) == ([f"{expected} keeps its value"] if reach else [])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import tiered
+from conftest import on_engine, tiered
 from copied import movable
 from shared import run
 from test_engine import random_codes
@@ -28,7 +28,7 @@ from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
 from tactus.verify.benches.runner import bench_input, plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
-from tactus.verify.benches.written import scene_of, write_scene
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import (
     ENGINES,
     LANES,
@@ -227,15 +227,7 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, keys: str, faults: list[st
     networks = [random_mlp((9, 50, 4), 1.0, seed=1)]
     options = {"reload": True, "program_words": 1024}
     hardware = Engine.of(networks, Settings(options=options))
-    path = write_scene(
-        tmp_path,
-        "large",
-        "exact",
-        networks,
-        activation="precise",
-        design="engine",
-        hardware=f"reload = true\n{keys}",
-    )
+    path = on_engine(tmp_path, networks, hardware=f"reload = true\n{keys}")
     with pytest.raises(InputError, match="the image needs") as refusal:
         load_scene(str(path)).twin()
     message = str(refusal.value)

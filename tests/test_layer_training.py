@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import on_engine
 from derivatives import check_derivatives
 
 from golden.activation.segments import gradient_real
@@ -23,7 +24,6 @@ from tactus.scene import load_scene
 from tactus.train import candidate_runs, search
 from tactus.train.objective import Objective, Rows
 from tactus.train.task import task_for
-from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_network
 
 
@@ -65,14 +65,14 @@ def test_gradient_and_jacobian_are_the_differences(network: Trained, of_tanh: Ac
 def scene_of(tmp_path: Path, more: str = "") -> Path:
     """Targets that a network of two hidden layers gives, on 60 random frames."""
     teacher = random_network((3, 4, 4, 2), ("relu", "relu"), 1.0, 4)
-    path = write_scene(tmp_path, "deep", "exact", [teacher], activation="precise", design="engine")
+    path = on_engine(tmp_path, [teacher])
     rng = np.random.default_rng(5)
     x = SIGNAL.to_real(rng.integers(SIGNAL.low, SIGNAL.high, (60, 3)))
     rows = [",".join(map(repr, row.tolist())) for row in np.hstack([x, teacher.process(x) / 8])]
     path.with_suffix(".csv").write_text("\n".join(["x0,x1,x2,y0,y1", *rows]))
     scale = 'full_scale = { y0 = 1, y1 = 1 }\ngroup_by = ""'
     path.write_text(path.read_text().replace('group_by = "y0"', scale) + more)
-    for file in tmp_path.glob("deep*.npz"):
+    for file in tmp_path.glob("mine*.npz"):
         file.unlink()
     return path
 
@@ -102,9 +102,9 @@ def test_a_scene_of_several_layers_is_trained(tmp_path: Path, monkeypatch) -> No
         SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
     )[rows]
     assert abs(np.sqrt((miss**2).mean()) - story["test_rms_percent"]) < 1e-3
-    before = (tmp_path / "deep.npz").read_bytes()
+    before = (tmp_path / "mine.npz").read_bytes()
     trained(path, monkeypatch)
-    assert (tmp_path / "deep.npz").read_bytes() == before
+    assert (tmp_path / "mine.npz").read_bytes() == before
 
 
 def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -> None:
@@ -134,7 +134,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
 ) -> None:
     path = scene_of(tmp_path)
     text = path.read_text().replace("[4, 4]", "0").replace('"single"', '"cascade"')
-    text = text.replace('weights = "deep.npz"', 'weights = ["deep-0.npz", "deep-1.npz"]')
+    text = text.replace('weights = "mine.npz"', 'weights = ["mine-0.npz", "mine-1.npz"]')
     path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 6]"))
     monkeypatch.setattr(search, "MANY_ROWS", 59)
     monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
@@ -152,7 +152,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
         trained(path, monkeypatch)
     seen.append((None, 0, (), None))
     trained(path, monkeypatch)
-    for number, name in enumerate(("deep-0.npz", "deep-1.npz")):
+    for number, name in enumerate(("mine-0.npz", "mine-1.npz")):
         rows: dict[int, list] = {}
         begun = set()
         for _, count, candidate, result in (one for one in seen if one[0] == number):
@@ -170,7 +170,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
 def test_a_search_for_layers_beside_fixed_activations_is_refused(tmp_path: Path) -> None:
     path = scene_of(tmp_path, "layers = [1, 2]\n")
     path.write_text(path.read_text().replace("hidden = [4, 4]", 'activations = ["relu"]'))
-    message = "deep.toml: training.layers: got [1, 2] with network.activations ['relu'], expected"
+    message = "mine.toml: training.layers: got [1, 2] with network.activations ['relu'], expected"
     with pytest.raises(InputError, match=re.escape(message)):
         load_scene(str(path))
 

@@ -1,9 +1,11 @@
 """Tests the serial line of an instrument: its twins, and the keys of a scene."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import on_engine
 
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
@@ -14,8 +16,8 @@ from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import UartTransmitter, bits_of
 from golden.numbers.fixed import Fix
 from golden.visualisation.pulse_density import PulseDensity
-from tactus.scene import load_scene
-from tactus.verify.benches.written import scene_of, write_scene
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import PLAIN_UART, UART
 from tb.common.cases import FRONT_END, random_mlp
 
@@ -117,26 +119,16 @@ def test_as_many_ones_as_a_code_asks_for(code: int) -> None:
     assert np.abs(np.cumsum(bits) - due).max() <= 1
 
 
-def scene_with(tmp_path, hardware: str, sections: str):
-    path = write_scene(
-        tmp_path,
-        "rig",
-        "exact",
-        [random_mlp((2, 3, 4), 1.0, 1)],
-        activation="precise",
-        design="engine",
-        hardware=hardware,
-        sections=sections,
-    )
-    return load_scene(str(path))
+def test_a_scene_has_a_line(tmp_path: Path) -> None:
+    def with_line(hardware: str) -> Scene:
+        mlps, sections = [random_mlp((2, 3, 4), 1.0, 1)], f"{PART}[uart]\n"
+        return load_scene(str(on_engine(tmp_path, mlps, hardware=hardware, sections=sections)))
 
-
-def test_a_scene_has_a_line(tmp_path) -> None:
-    design = scene_with(tmp_path, CLOCK, f"{PART}[uart]\n").twin()
+    design = with_line(CLOCK).twin()
     assert isinstance(design, UartInstrument)
     assert (design.divisor, design.image) == (4, b"")
     assert {port.name for port in design.ports} & {"rx", "tx", "dac_x"} == {"tx"}
-    loaded = scene_with(tmp_path, f"{CLOCK}reload = true", f"{PART}[uart]\n").twin()
+    loaded = with_line(f"{CLOCK}reload = true").twin()
     assert "rx" in {port.name for port in loaded.ports}
     assert loaded.image == image_packet(loaded.core.image)
 
