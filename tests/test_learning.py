@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from pages import cells, section
 
-from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.learning import steps
 from golden.learning.corrected import THETA, Corrected
 from golden.learning.gradient import Gradient
-from golden.learning.lesson import ROW, Lesson, bounded, equation, start
+from golden.learning.lesson import Lesson, bounded, start
 from golden.learning.unit import Unit
 from golden.numbers.precision import SIGNAL
 from tactus.recalibration.sensitivity import Sensitivity
@@ -39,18 +38,6 @@ def test_without_a_correction_the_networks_are_those_of_the_scene(taught: Correc
     np.testing.assert_array_equal(outputs, SCENE.twin().process(VECTORS.codes))
 
 
-def test_a_correction_is_gain_and_offset(taught: Corrected) -> None:
-    rng = np.random.default_rng(1)
-    theta = rng.integers(THETA.low, THETA.high + 1, (50, 8))
-    samples = rng.integers(-6000, 6000, (50, 4))
-    z = taught.samples(theta, samples << SAMPLE_SHIFT, Unit(50)) / 2**16
-    by_gain, by_offset = np.split(THETA.to_real(theta), 2, axis=1)
-    recorded = Sensitivity.of(SCENE, np.zeros(4))
-    x = SIGNAL.to_real(samples)
-    expected = x * (1 + recorded.gain * by_gain) + recorded.offset * by_offset
-    np.testing.assert_allclose(z, expected, atol=8e-5)
-
-
 @pytest.mark.parametrize("output", range(4))
 def test_derivatives_are_those_of_the_network(
     taught: Corrected, recording: Lesson, output: int
@@ -65,19 +52,6 @@ def test_derivatives_are_those_of_the_network(
     expected = ((mlp.w2 * (1 - h * h)) @ mlp.w1)[:, :4]
     np.testing.assert_allclose(found, expected, atol=0.02)
     assert np.abs(expected).max() > 0.5
-
-
-def test_an_equation_says_how_far_theta_is(taught: Corrected, recording: Lesson) -> None:
-    """Near the theta that is sought: the error is the row times what is missing."""
-    unit = Unit(recording.drifts)
-    theta = np.random.default_rng(1).integers(-800, 800, (recording.drifts, 8))
-    for output in range(taught.outputs):
-        at, there = (
-            equation(taught, recording, one, 0, output, unit) for one in (0 * theta, theta)
-        )
-        change = (at.error - there.error) / 2**17
-        expected = (ROW.to_real(at.row) * THETA.to_real(theta)).sum(axis=1)
-        assert np.corrcoef(change, expected)[0, 1] > 0.95
 
 
 def test_a_program_of_steps_learns_bit_for_bit_the_same(taught: Corrected) -> None:
