@@ -61,6 +61,7 @@ SECONDS, PATIENCE = 100, 20
 WORD = re.compile(
     r"^( +(?:(\w+)\[\d+\] <=|\d+: (\w+) =) )(-?)(?:\d+'(h))?([0-9a-f]+);", re.MULTILINE
 )
+OUTCOMES = ("found", "refused", "changes nothing", "left open", "agree", "wrong")
 Fault = tuple[str, Callable[[Path], None]]
 # Of which scene or kind, what is changed, and what judges it: subject and outcome, or nothing if it
 # is none. The first argument of what makes them tells whether there are enough of a group.
@@ -69,7 +70,7 @@ Enough = Callable[[str], bool]
 
 
 def outcome(given: dict[str, Any], netlist: Any) -> str:
-    """ "proved", "differs" or "refused"."""
+    """ "proved", "found" or "refused"."""
 
     def over(*_: Any) -> None:
         raise RefusedError("too long")
@@ -79,7 +80,7 @@ def outcome(given: dict[str, Any], netlist: Any) -> str:
     try:
         list(Sequences(netlist, given).prove())
     except (DiffersError, WrongError):
-        return "differs"
+        return "found"
     except (RefusedError, UnsupportedError, NotReadableError):
         return "refused"
     finally:
@@ -190,7 +191,7 @@ def shown(given: dict[str, Any], sound: Path, faulty: Path, seed: int) -> str:
     frames = np.random.default_rng(seed).integers(-top, top, (OPEN, given["samples"]))
     before, now = (play(given, frames, source) for source in (sound, faulty))
     same = before is not None and now is not None and np.array_equal(before, now)
-    return f"left open; changes nothing in {OPEN} frames" if same else "DIFFERS"
+    return "left open" if same else "wrong"
 
 
 def of_hardware(made: Callable[[Path, int], Iterator[Fault]]) -> Any:
@@ -277,7 +278,7 @@ def of_specification(enough: Enough, seed: int, folder: Path, scenes: list[str])
                         -top, top, (300, given["samples"])
                     )
                     same = all(numbers(given, f) == numbers(wrong, f) for f in frames.tolist())
-                    found = "changes nothing in 300 frames" if same else "proved"
+                    found = "changes nothing" if same else "wrong"
                 return "description", found
 
             yield scene.name, f"{number}: {kind}", work
@@ -355,7 +356,7 @@ def of_prover(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
                     red or subprocess.run(command, cwd=copied, capture_output=True).returncode != 0
                 )
             path.write_text(sound)
-            return path.stem, "found" if red else "not found"
+            return path.stem, "found" if red else "left open"
 
         yield "prover", f"{number}: {line}", work
 
@@ -381,7 +382,7 @@ def of_network(number: int, folder: Path) -> tuple[str, str] | None:
         list(proof.prove())
     except DiffersError as reason:
         found = differing_frame(proof.samples, reason.got, reason.expected)
-        return given["entity"], "DIFFERS" if found else "refused"
+        return given["entity"], "wrong" if found else "refused"
     except (RefusedError, UnsupportedError):
         return given["entity"], "refused"
     top = 1 << given["bits"] - 1
@@ -392,7 +393,7 @@ def of_network(number: int, folder: Path) -> tuple[str, str] | None:
     played = play(given, frames[:PLAYED], source)
     same = np.array_equal(scene.twin().core.process(frames), expected)
     same &= played is not None and np.array_equal(played, expected[:PLAYED])
-    return given["entity"], "proved, and all agree" if same else "DIFFERS"
+    return given["entity"], "agree" if same else "wrong"
 
 
 # What makes them, and how many: of each scene, or in all.
@@ -429,8 +430,11 @@ def judge(kinds: Iterable[str], scenes: list[str], path: Path) -> Counter[tuple[
 
 
 def rows() -> Iterator[dict[str, Cell]]:
-    for (kind, subject, found), times in sorted(judge(KINDS, [*SCENES], LOG).items()):
-        yield {"judged": kind, "subject": subject, "outcome": found, "count": times}
+    """How often each outcome came; nothing may be wrong."""
+    counts = judge(KINDS, [*SCENES], LOG)
+    for kind, subject in sorted({(kind, subject) for kind, subject, _ in counts}):
+        found = {one: counts[kind, subject, one] for one in OUTCOMES}
+        yield {"judged": kind, "subject": subject, **found}
 
 
 if __name__ == "__main__":
