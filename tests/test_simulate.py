@@ -1,8 +1,11 @@
-"""Tests how a bench is started: it prints nothing, inherits nothing, and fails if it must."""
+"""Tests how a bench is started: it changes nothing outside of its run, and fails if it must."""
 
 import json
+import logging
 import os
 import re
+import signal
+import warnings
 from pathlib import Path
 
 import pytest
@@ -69,11 +72,20 @@ async def ends(dut):
 """
 
 
-def test_a_bench_that_passes_prints_nothing(wire: Run, capfd: pytest.CaptureFixture) -> None:
+def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
+    wire: Run, capfd: pytest.CaptureFixture
+) -> None:
+    def shared_by_the_process() -> list[object]:
+        logs = [logging.getLogger(name) for name in ("", "cocotb")]
+        handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+        return [*handlers, [(log.level, [*log.handlers]) for log in logs], [*warnings.filters]]
+
+    before = shared_by_the_process()
     good, log = play(wire, SOUND)
     assert good, log
     assert "bench.passes" in log
     assert capfd.readouterr() == ("", "")
+    assert shared_by_the_process() == before
     assert not list(wire.folder.glob("*.ghw")) + list(wire.folder.glob("*.fst"))
 
 

@@ -19,7 +19,7 @@ from tactus.monitor.inside_simulator import CONFIGURATION
 from tactus.monitor.placements import Drift, nearest_row, samples_of
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export
-from tactus.verify.benches.simulate import RESULTS, analyse, ghdl_commands, surroundings
+from tactus.verify.benches.simulate import Ghdl, analyse
 from tactus.verify.benches.tools import check_simulator, language
 
 # GHDL is ten times as fast as Icarus here, because Icarus goes through a memory word by word in
@@ -91,18 +91,19 @@ class SimulatedBoard:
         sources = (*(files / name for name in compile_order(files)), top)
         analyse(sources, folder)
         environment = {k: v for k, v in os.environ.items() if not k.startswith("COCOTB")}
-        variables = surroundings(
-            environment | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+        simulator = Ghdl(
             TOP,
-            "tactus.monitor.inside_simulator",
-            tongue,
-            folder / RESULTS,
+            folder,
+            module="tactus.monitor.inside_simulator",
+            sim_build=folder,
+            # Before an image is there, memories hold nothing, and GHDL would warn in every clock.
+            sim_args=["--ieee-asserts=disable"],
+            extra_env=environment | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+            log=folder / "log.txt",
         )
-        # Before an image is there, memories hold nothing, and GHDL would warn in every clock.
-        build, simulate = ghdl_commands(TOP, folder, "--ieee-asserts=disable")
-        built = subprocess.run(
-            build, cwd=folder, env=variables, capture_output=True, text=True, check=False
-        )
+        simulator.set_env()
+        build, simulate = simulator.build_command()
+        built = subprocess.run(build, cwd=folder, capture_output=True, text=True, check=False)
         if built.returncode:
             raise RuntimeError(built.stderr)
         board, computer = os.openpty()
@@ -119,11 +120,11 @@ class SimulatedBoard:
             "line": board,
             "orders": orders,
         }
-        with (folder / "log.txt").open("w") as log:
+        with simulator.log.open("w") as log:
             self._process = subprocess.Popen(
                 simulate,
                 cwd=folder,
-                env=variables | {CONFIGURATION: json.dumps(configuration)},
+                env=simulator.env | {CONFIGURATION: json.dumps(configuration)},
                 pass_fds=(board, orders),
                 stdin=subprocess.DEVNULL,
                 stdout=log,

@@ -1,14 +1,22 @@
-"""Runs a bench in its simulator: builds an exported entity and starts cocotb in it."""
+"""Runs a bench in its simulator: cocotb-test builds an exported entity and starts cocotb in it."""
 
+import logging
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Iterable
+import threading
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
+import cocotb_test.run
+import cocotb_test.simulator
 import find_libpython
 from cocotb_tools import config
 
@@ -79,81 +87,141 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         raise InputError(result.stderr.strip())
 
 
-def surroundings(
-    environment: dict[str, str], entity: str, module: str, language: str, results: Path
-) -> dict[str, str]:
-    """The given environment, with the variables by which cocotb finds the bench in ``module``.
+# Only one simulator is set up at a time, because each setup changes settings of the process.
+SETTING_UP = threading.Lock()
 
-    results: The file in which cocotb writes the result of each test.
+
+@contextmanager
+def process_unchanged() -> Iterator[None]:
+    """Restore the logging, warnings and signal handlers that cocotb-test changes for its own use.
+
+    In the meantime ``WAVES`` is not in the environment, because cocotb-test reads it as a number
+    even if it has been told whether to write waves.
     """
-    return environment | {
-        **machine(),
-        "COCOTB_TOPLEVEL": entity,
-        "COCOTB_TEST_MODULES": module,
-        "COCOTB_RESULTS_FILE": str(results),
-        "TOPLEVEL_LANG": language,
-    }
+    log = logging.getLogger("cocotb")
+    # logging.basicConfig adds no handler if there is one.
+    placeholder = logging.NullHandler()
+    with SETTING_UP, warnings.catch_warnings():
+        level = log.level
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        logging.getLogger().addHandler(placeholder)
+        waves = os.environ.pop("WAVES", None)
+        try:
+            yield
+        finally:
+            if waves is not None:
+                os.environ["WAVES"] = waves
+            logging.getLogger().removeHandler(placeholder)
+            log.setLevel(level)
+            if threading.current_thread() is threading.main_thread():
+                for number, handler in handlers.items():
+                    signal.signal(number, handler)
 
 
-def ghdl_commands(entity: str, library: Path, *options: str) -> list[list[str]]:
-    """The commands that link an entity of a library that ``analyse`` has filled, and simulate it.
+class BenchSimulator(cocotb_test.simulator.Simulator):
+    """A simulator of cocotb-test that changes nothing outside of its run.
 
-    *options: Those of the simulation.
+    log: The file for what the simulator prints. Nothing goes to the terminal.
+    **arguments: The arguments of cocotb-test. ``extra_env`` and what cocotb itself needs are the
+        whole environment of the run: nothing else is inherited.
     """
-    of = [VHDL, f"--workdir={library}", entity]
-    return [
-        ["ghdl", "-e", *of],
-        ["ghdl", "-r", *of, f"--vpi={config.lib_name_path('vpi', 'ghdl')}", *options],
-    ]
+
+    def __init__(self, log: Path, **arguments: Any) -> None:
+        with process_unchanged():
+            super().__init__(**arguments)
+        self.log = log
+
+    @property
+    def results(self) -> Path:
+        """The file in which cocotb writes the result of each test."""
+        return Path(self.work_dir) / RESULTS
+
+    def set_env(self) -> None:
+        """Add the variables that cocotb needs to the given environment."""
+        self.env |= machine() | {
+            "COCOTB_TOPLEVEL": self.toplevel_module,
+            "COCOTB_TEST_MODULES": self.module,
+            "COCOTB_RESULTS_FILE": str(self.results),
+            "TOPLEVEL_LANG": self.toplevel_lang,
+        }
+
+    def execute(self, cmds: list[list[str]]) -> None:
+        """Run the commands one after the other, up to the first that fails."""
+        with self.log.open("w") as log:
+            for command in cmds:
+                ended = subprocess.run(
+                    command,
+                    cwd=self.work_dir,
+                    env=self.env,
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=subprocess.STDOUT,
+                    check=False,
+                )
+                if ended.returncode:
+                    raise SystemExit(f"{command[0]} ended with {ended.returncode}: see {self.log}")
+
+    def run(self) -> str:
+        """Build and simulate, and return the results file."""
+        self.set_env()
+        self.execute(self.build_command())
+        if not self.results.is_file() or not passed(self.results):
+            raise SystemExit(f"{self.toplevel_module}: tests did not pass: see {self.log}")
+        return str(self.results)
 
 
-def _icarus_commands(run: Run) -> list[list[str]]:
-    """The commands that compile an entity from its own sources, and simulate it."""
-    timescale = run.folder / "timescale.f"
-    timescale.write_text(f"+timescale+{TIMESCALE}\n", encoding="ascii")
-    built = str(run.folder / f"{run.entity}.vvp")
-    compiles = ["iverilog", "-g2012", "-o", built, "-s", run.entity, "-f", str(timescale)]
-    simulates = ["vvp", "-m", str(config.lib_name_path("vpi", "icarus")), built]
-    if run.waves:
-        dump = run.folder / "dump.v"
-        dump.write_text(
-            f'module dump; initial begin $dumpfile("{run.entity}.fst"); '
-            f"$dumpvars(0, {run.entity}); end endmodule\n",
-            encoding="ascii",
+class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
+    """Icarus, which compiles an entity from its own sources."""
+
+
+class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
+    """GHDL, which takes an entity from a library that ``analyse`` has filled.
+
+    entity: The entity in that library.
+    **arguments: The arguments of ``BenchSimulator``, without sources.
+    """
+
+    def __init__(self, entity: str, library: Path, **arguments: Any) -> None:
+        super().__init__(
+            toplevel=f"work.{entity}",
+            toplevel_lang="vhdl",
+            # The list is empty, because cocotb-test would compile the files again for each entity.
+            vhdl_sources={},
+            compile_args=[VHDL, f"--workdir={library}"],
+            **arguments,
         )
-        compiles += ["-s", "dump", str(dump)]
-        simulates += ["-fst"]
-    return [[*compiles, *map(str, run.sources)], simulates]
+
+    def build_command(self) -> list[list[str]]:
+        """The commands that link the entity and simulate it."""
+        link = ["ghdl", "-e", *self.compile_args, self.toplevel_module]
+        return [link, *super().build_command()]
+
+
+SIMULATORS = {"ghdl": Ghdl, "icarus": Icarus}
 
 
 def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
-    """Build and simulate, and return whether every test of the bench ran and passed.
-
-    environment: With what cocotb needs, it is the whole environment: nothing is inherited.
-    log: The file for what the simulator prints. Nothing goes to the terminal.
-    """
-    run.folder.mkdir(parents=True, exist_ok=True)
+    """Build and simulate, and return whether every test of the bench ran and passed."""
+    arguments = {
+        "module": run.module,
+        "sim_build": run.folder,
+        "waves": run.waves,
+        "extra_env": environment,
+        "log": log,
+    }
     if run.simulator == "ghdl":
-        waves = [f"--wave={run.entity}.ghw"] if run.waves else []
-        commands, language = ghdl_commands(run.entity, run.library, *waves, QUIET_AT_0), "vhdl"
+        arguments |= {"entity": run.entity, "library": run.library, "sim_args": [QUIET_AT_0]}
     else:
-        commands, language = _icarus_commands(run), "verilog"
-    results = run.folder / RESULTS
-    variables = surroundings(environment, run.entity, run.module, language, results)
-    with log.open("w") as output:
-        for command in commands:
-            ended = subprocess.run(
-                command,
-                cwd=run.folder,
-                env=variables,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                check=False,
-            )
-            if ended.returncode:
-                return False
-    return results.is_file() and passed(results)
+        arguments |= {
+            "toplevel": run.entity,
+            "verilog_sources": list(run.sources),
+            "timescale": TIMESCALE,
+        }
+    try:
+        cocotb_test.run.run(simulator=SIMULATORS[run.simulator], **arguments)
+    except SystemExit:
+        return False
+    return True
 
 
 def simulated_time(results: Path) -> dict[str, float]:
