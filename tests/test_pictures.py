@@ -26,7 +26,7 @@ from tactus.report.draw.pictures import Skipped, pictures
 from tactus.report.draw.svg import ACCENT, own_ids
 from tactus.report.draw.waveforms import Row, waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
-from tactus.report.page.designs import picture
+from tactus.report.page.made import design_picture
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.scale import Scale
 from tactus.verify.benches.collected import CASES
@@ -275,7 +275,7 @@ def test_the_printed_designs_are_drawn_too() -> None:
 
 @pytest.mark.parametrize("name", ["area.svg", "designs", "error-against-run-time/networks.svg"])
 def test_names_in_the_shipped_pictures_cover_no_other_name(name: str) -> None:
-    drawn = picture() if name == "designs" else (ROOT / "docs" / name).read_text("utf-8")
+    drawn = design_picture() if name == "designs" else (ROOT / "docs" / name).read_text("utf-8")
     boxes = []
     for word in parse(drawn).iter(f"{SVG}text"):
         look = dict(part.split(": ") for part in word.get("style", "").split("; "))

@@ -6,24 +6,33 @@ It is written when the site is built and committed nowhere, so it cannot be out 
 import re
 import tomllib
 from collections.abc import Callable
+from fractions import Fraction
 from functools import cache, partial
 from itertools import zip_longest
 
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import LanePipeline, Pipeline
+from golden.sensing.converter_parts import PARTS
+from tactus.boards import board_names, load_board
+from tactus.boards.bitstream import Report, read_record, record_path
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors import decisions_of, held_out_or_all
 from tactus.report.activations import plot, plot_file
+from tactus.report.draw.designs import picture_of
 from tactus.report.draw.network import network
 from tactus.report.measure.activation_errors import activation_table
+from tactus.report.measure.designs import designs, refused_lines
 from tactus.report.measure.networks import clocks_per_frame
-from tactus.report.measure.table import markdown
-from tactus.report.page import blocks, boards, datasheets, designs, sign_off
+from tactus.report.measure.table import cell_text, markdown
+from tactus.report.page import blocks, datasheets, sign_off
 from tactus.report.page.side_by_side import side_by_side
-from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
+from tactus.scene import DEFAULT_SCENES, Scene, class_names, load_scene, scene_names
+from tactus.scene.building import compared
 from tactus.scene.reading import SCENE
+from tactus.sizing.candidates import Refused, Sized
+from tactus.sizing.model import held_out
 from tactus.synth.budget import read_budget
 
 ROOMS = ("golden", "hdl", "tb", "tactus")
@@ -121,6 +130,105 @@ def picture(draw: Callable[[], str]) -> str:
     return f"<div>\n{draw().strip()}\n</div>"
 
 
+# The scenes of docs/designs.md: the default one, one whose network every design of tanh neurons
+# takes, and one of learned functions.
+CASCADE, SINGLE, LEARNED = "digit", "digit-single", "comparison/digit-tables"
+
+
+@cache
+def _compared(name: str) -> tuple[Scene, list[Sized], list[Refused]]:
+    scene = load_scene(name)
+    return scene, *compared(scene)
+
+
+def design_rows(name: str, family: str = "xc2v") -> str:
+    """What each design of a scene costs, and those that cannot be built."""
+    scene, found, refused = _compared(name)
+    table = designs(scene, found, family)
+    lines = ["", *(f"- {line}" for line in refused_lines(refused))] if refused else []
+    cells = [["" if cell is None else cell_text(cell) for cell in row] for row in table.rows]
+    return "\n".join([markdown(" | ".join(table.columns), cells), *lines])
+
+
+def design_spreads() -> str:
+    """Every recorded network, estimated by a model that does not know its weights."""
+    rows = []
+    for one in held_out():
+        luts = [one.recorded.luts, f"{one.estimated.luts:.0f}", f"{one.percent:+.1f}"]
+        rows.append([f"`{one.network}`", one.design, *luts])
+    return markdown("network | design | LUTs | estimated | error %", rows)
+
+
+def design_picture() -> str:
+    """LUTs against clocks of the scene that every design of tanh neurons takes."""
+    scene, found, _ = _compared(SINGLE)
+    return picture_of(scene, found, "xc2v")
+
+
+CELLS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
+# Who drives a wire, seen from the board.
+INPUTS = ("miso", "rx")
+
+
+def converters() -> str:
+    """A line for each converter that a scene can name."""
+    rows = []
+    for name, part in PARTS.items():
+        mhz = f"{32 / part.half_clocks(Fraction(64)):.3g} MHz"
+        rows.append([f"`{name}`", part.source, part.bits, part.coding, part.clocks, mhz])
+    heads = "name | data sheet | bits | coding | clocks of a transfer | sclk at 64 MHz"
+    return markdown(heads, rows)
+
+
+def wiring() -> str:
+    """A table with a line for each port, and its pin on each board."""
+    boards = [load_board(name) for name in board_names()]
+    heads = [f"{board.title}, pin | where" for board in boards]
+    rows = []
+    for name in dict.fromkeys(name for board in boards for name in board.pins):
+        cells = [f"`{name}`", "in" if name in INPUTS else "out"]
+        for board in boards:
+            pin = board.pins.get(name)
+            more = ", lit by a 0" if pin and pin.inverted else ""
+            cells += [f"`{pin.pin}`", f"{pin.at}{more}"] if pin else ["", ""]
+        rows.append(cells)
+    return markdown(" | ".join(["port | direction", *heads]), rows)
+
+
+def pin_sources() -> str:
+    """The sources of the pins."""
+    lines = []
+    for name in board_names():
+        board = load_board(name)
+        lines += [f"- {board.title}:", *(f"  - {source}" for source in board.sources)]
+    return "\n".join(lines)
+
+
+def resources() -> str:
+    """The resources of each board that each recorded scene takes."""
+    rows = []
+    for scene in map(load_scene, scene_names()):
+        for board in map(load_board, board_names()):
+            path = record_path(scene, board)
+            if path.is_file():
+                report, _ = read_record(path)
+                cells = _cells(report, scene.twin().output_clocks[-1])
+                rows.append([scene.name, f"{board.title}, {board.device}", *cells])
+    return markdown(f"scene | board | {' | '.join(CELLS)} | MHz needed | MHz reached | us", rows)
+
+
+def _cells(report: Report, clocks: int) -> list[str]:
+    counts = [
+        f"{report.used[kind]} of {report.available[kind]} "
+        f"({100 * report.used[kind] / report.available[kind]:.0f} %)"
+        if kind in report.used
+        else "in the logic cells"
+        for kind in CELLS
+    ]
+    microseconds = f"{clocks / report.needed_mhz:.1f}"
+    return [*counts, f"{report.needed_mhz:g}", f"{report.clock_mhz:g}", microseconds]
+
+
 MADE: dict[str, Callable[[], str]] = {
     **{name: partial(keys, name) for name in SCENE.keys},
     "scenes": scenes,
@@ -129,16 +237,16 @@ MADE: dict[str, Callable[[], str]] = {
     "blocks": blocks.block_table,
     "sign-off": sign_off.overview,
     "synthesis": datasheets.scene_table,
-    "converters": boards.converters,
-    "wiring": boards.wiring,
-    "sources": boards.pin_sources,
-    "resources": boards.resources,
-    "digit": partial(designs.rows, designs.CASCADE),
-    "digit-single": partial(designs.rows, designs.SINGLE),
-    "ecp5": partial(designs.rows, designs.SINGLE, "ecp5"),
-    "learned": partial(designs.rows, designs.LEARNED),
-    "held-out": designs.spreads,
-    "picture-of-designs": partial(picture, designs.picture),
+    "converters": converters,
+    "wiring": wiring,
+    "sources": pin_sources,
+    "resources": resources,
+    "digit": partial(design_rows, CASCADE),
+    "digit-single": partial(design_rows, SINGLE),
+    "ecp5": partial(design_rows, SINGLE, "ecp5"),
+    "learned": partial(design_rows, LEARNED),
+    "held-out": design_spreads,
+    "picture-of-designs": partial(picture, design_picture),
     "floors": floors,
     "networks": partial(picture, lambda: network(load_scene("digit"))),
     "segments": segments,
