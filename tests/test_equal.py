@@ -12,7 +12,7 @@ from shared import Shared
 from golden.input_error import InputError
 from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off import equal, record
-from tactus.verify.sign_off.equal import Pair, check_record, command, netlist_of, settle
+from tactus.verify.sign_off.equal import Pair, check_record, netlist_of, settle
 from tactus.verify.sign_off.equal_gates import synthesise
 from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
 from tactus.verify.sign_off.equal_proof import compare
@@ -72,11 +72,11 @@ def test_a_record_of_another_source_is_stale(
     facts = record.read_record(equal.KIND, "output_controller")
     monkeypatch.setattr(record, "RECORDS", tmp_path)
     (complaint,) = check_record(both)
-    assert complaint.endswith(command("output_controller"))
+    assert complaint.endswith(record.PROVE.format("output_controller"))
     record.write_record(equal.KIND, "output_controller", {**facts, "source": "another"})
     (complaint,) = check_record(both)
     assert "is of another source" in complaint
-    assert complaint.endswith(command("output_controller"))
+    assert complaint.endswith(record.PROVE.format("output_controller"))
 
 
 # Small entities in both languages: ports, declarations and statements. x is signed, u is not.

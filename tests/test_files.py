@@ -8,14 +8,13 @@ from pathlib import Path
 import pytest
 
 from golden.input_error import InputError
+from tactus.core import store
 from tactus.core.files import (
     check_writable,
-    read_kept,
     replace_file,
     replace_files,
     replace_folder,
     same_file,
-    write_kept,
 )
 
 
@@ -119,15 +118,6 @@ def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert same_file(tmp_path / "new.npz", tmp_path / "NEW.npz")
 
 
-def test_what_is_kept_and_damaged_is_not_there(tmp_path: Path) -> None:
-    path = tmp_path / "new" / "kept.json"
-    assert read_kept(path) is None
-    write_kept(path, [1])
-    assert read_kept(path) == [1]
-    path.write_text("[1", encoding="utf-8")
-    assert read_kept(path) is None
-
-
 def test_what_a_killed_command_left_is_removed_once_it_is_old(tmp_path: Path) -> None:
     old, new, other = (tmp_path / f".vhdl.{word}" for word in ("0" * 16, "1" * 16, "mine"))
     for folder in (old, new, other):
@@ -138,3 +128,13 @@ def test_what_a_killed_command_left_is_removed_once_it_is_old(tmp_path: Path) ->
     with replace_folder(tmp_path / "vhdl"):
         pass
     assert {path.name for path in tmp_path.iterdir()} == {"vhdl", new.name, other.name}
+
+
+def test_an_answer_that_is_damaged_is_missing(tmp_path: Path) -> None:
+    asked = store.key("kind", part="one")
+    for _ in range(2):
+        assert store.read(asked, tmp_path) is None
+        assert store.write(asked, [1], tmp_path) == [1]
+        assert store.read(asked, tmp_path) == [1]
+        file = store.place(asked, tmp_path)
+        file.write_bytes(file.read_bytes()[:20])

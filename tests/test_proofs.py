@@ -11,7 +11,7 @@ from golden.input_error import InputError
 from tactus.verify.benches.collected import PROOFS, properties_of
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off import record
-from tactus.verify.sign_off.prove import check_record, command, entities, settle
+from tactus.verify.sign_off.prove import check_record, entities, settle
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import chosen_blocks
 from tb.common.properties import Property
@@ -117,7 +117,9 @@ def test_a_stale_record_names_the_command(
     (lacking,) = check_record([rows])
     assert "another source" in stale
     assert "other properties than tb_output_controller.py" in lacking
-    assert all(command("output_controller") in text for text in (missing, stale, lacking))
+    assert all(
+        record.PROVE.format("output_controller") in text for text in (missing, stale, lacking)
+    )
 
 
 def test_a_block_without_properties_is_named() -> None:

@@ -75,11 +75,6 @@ class Benches:
         self.ran = []
         return results.simulate(load_scene(str(self.scene.path)), full)
 
-    def forget(self, job: Job) -> None:
-        """Truncate the kept result of a job, as a full disk would do."""
-        path = store.place(kept_results.bench_key(job), job.build)
-        path.write_bytes(path.read_bytes()[:20])
-
 
 @pytest.mark.parametrize(("frames", "said"), [(3, True), (1000, False)])
 def test_recorded_frames_that_are_not_played_are_told(

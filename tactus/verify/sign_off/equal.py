@@ -28,7 +28,7 @@ from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.equal_gates import Module, synthesise
 from tactus.verify.sign_off.equal_netlist import list_lengths, register_bits, to_verilog
 from tactus.verify.sign_off.equal_proof import compare
-from tactus.verify.sign_off.record import read_record, short, write_record
+from tactus.verify.sign_off.record import PROVE, of_another_source, write_record
 from tactus.verify.sign_off.subject import subject
 
 KIND = "equivalence"
@@ -92,11 +92,6 @@ class Result:
         }
 
 
-def pair_of(block: str) -> Pair:
-    """The entity that stands for a block, in both languages."""
-    return Pair(subject(block, "icarus"), subject(block, "ghdl"))
-
-
 @cache
 def _netlists(folder: Path) -> dict[str, Module]:
     """GHDL's netlists of the VHDL that was exported into a folder."""
@@ -131,27 +126,17 @@ def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
             yield Result(pair, {entity: future.result() for entity, future in answers.items()})
 
 
-def command(block: str) -> str:
-    """The command that writes the record of a block."""
-    return f"make prove BLOCK={block} RECORD=1"
-
-
 def check_record(pair: Pair) -> list[str]:
     """A message if the record of a block is of another source."""
     block = pair.verilog.block
-    try:
-        found = read_record(KIND, block)
-    except FileNotFoundError as error:
-        return [f"{error}; run: {command(block)}"]
-    if found["source"] == short(pair.source()):
-        return []
-    return [f"{block}: the record of {KIND} is of another source; run: {command(block)}"]
+    faults = of_another_source(KIND, block, pair.source())
+    return [f"{block}: the record of {KIND} {one}; run: {PROVE.format(block)}" for one in faults]
 
 
 def prove_equal(blocks: Iterable[str], record: bool) -> bool:
     """Compare blocks, print a line for each, and return whether all is as it should be."""
     sound = True
-    for result in settle([pair_of(block) for block in blocks]):
+    for result in settle([Pair(subject(block), subject(block, "ghdl")) for block in blocks]):
         job = result.pair.verilog
         print(f"{job.entity:28} {result.line()}", flush=True)
         if record and not result.complaints:

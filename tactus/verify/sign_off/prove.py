@@ -26,8 +26,8 @@ from tactus.core.machine import processor_line, processor_minutes
 from tactus.synth.tools import digest
 from tactus.verify.benches.collected import CASES_OF, PROOFS, proof_file, properties_of
 from tactus.verify.benches.runner import Job, with_parts
-from tactus.verify.sign_off.equal import command, prove_equal
-from tactus.verify.sign_off.record import read_record, short, write_record
+from tactus.verify.sign_off.equal import prove_equal
+from tactus.verify.sign_off.record import PROVE, of_another_source, recorded, write_record
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import case_line, chosen_blocks, subject
 from tb.common.properties import Property
@@ -132,21 +132,14 @@ def cases(block: str) -> list[str]:
 def check_record(planned: list[Job]) -> list[str]:
     """A message for each way in which a record differs from the block's entities or properties."""
     block = planned[0].block
-    try:
-        found = read_record(KIND, block)
-    except FileNotFoundError as error:
-        return [f"{error}; run: {command(block)}"]
-    stale = []
-    if found["source"] != short(source_of(planned)):
-        stale.append("is of another source")
-    recorded = [
-        {key: value for key, value in entry.items() if key != "depth"}
-        for entry in found["properties"]
-    ]
+    stale = of_another_source(KIND, block, source_of(planned))
+    found = recorded(KIND, block)
+    properties = found.get("properties", [])
+    before = [{key: one[key] for key in one if key != "depth"} for one in properties]
     here = [_stated(job, item) for job in planned for item in properties_of(job)]
-    if recorded != here:
+    if found and before != here:
         stale.append(f"has other properties than {proof_file(block).name}")
-    return [f"{block}: the record of proofs {fault}; run: {command(block)}" for fault in stale]
+    return [f"{block}: the record of proofs {fault}; run: {PROVE.format(block)}" for fault in stale]
 
 
 def prove_blocks(blocks: list[str], record: bool) -> bool:

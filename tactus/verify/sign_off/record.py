@@ -129,6 +129,8 @@ COMMANDS = {
     "netlist": "make sim NETLIST=1 RECORD=1 BLOCK={}",
     "unknown": "make sim NETLIST=unknown RECORD=1 BLOCK={}",
 }
+# The command for those of properties, and of the equality of both languages.
+PROVE = "make prove BLOCK={} RECORD=1"
 
 
 def another_trace(record: dict[str, Any], played: dict[str, str]) -> bool:
@@ -176,3 +178,11 @@ def of_this_verilog(kind: str, name: str, now: str) -> str:
     """
     found, block = read_record(kind, name)["verilog"], name.partition(".")[0]
     return "" if found == short(now) else f"of another Verilog; run: {COMMANDS[kind].format(block)}"
+
+
+def of_another_source(kind: str, block: str, now: str) -> list[str]:
+    """What is wrong with a record that is not of the source as it is now; nothing if it is."""
+    found = recorded(kind, block)
+    if not found:
+        return ["is missing"]
+    return [] if found["source"] == short(now) else ["is of another source"]

@@ -230,14 +230,14 @@ def _prove(item: Property, folder: Path) -> Answer:
     return Answer(False, item.induction, failed, trace) if deep.holds else deep
 
 
-def _refute(item: Property, folder: Path) -> Answer:
-    return _from_reset(item.clocks, folder)
-
-
 def _reach(item: Property, folder: Path) -> Answer:
     passed, said = _smtbmc(folder, "-c", "-t", str(item.clocks + 1))
     missing = re.search(r"Unreached cover statement at \S+: (\S+)", said)
     return Answer(passed, item.clocks, missing.group(1) if missing else "")
 
 
-_QUESTIONS = {"prove": _prove, "refute": _refute, "reach": _reach}
+_QUESTIONS: dict[str, Callable[[Property, Path], Answer]] = {
+    "prove": _prove,
+    "refute": lambda item, folder: _from_reset(item.clocks, folder),
+    "reach": _reach,
+}
