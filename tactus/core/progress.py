@@ -58,7 +58,7 @@ def stage(
     what: str | Callable[[], str],
     stream: TextIO | None = None,
     quick: bool = False,
-    pause: float = PAUSE,
+    pause: float | None = None,
 ) -> Iterator[None]:
     """Print what the block does, and every few seconds that it is still running.
 
@@ -66,7 +66,7 @@ def stage(
     stream: Standard output by default.
     quick: Whether the work is usually done before the first of these lines, so that nothing is
         printed at its beginning.
-    pause: So many seconds are between two lines.
+    pause: The seconds between two lines, if not ``PAUSE``.
     """
     out = stream or sys.stdout
     said = what if callable(what) else lambda: what
@@ -75,7 +75,7 @@ def stage(
     def beat() -> None:
         nonlocal printed
         now = time.monotonic()
-        if now - printed >= pause:
+        if now - printed >= (pause or PAUSE):
             printed = now
             print(f"{said()}, {duration(now - began)}", file=out, flush=True)
 
