@@ -8,13 +8,12 @@ import pytest
 
 from golden.input_error import InputError
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.design import Design
+from golden.networks.design import Design, Settings
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact
 from golden.networks.parallel import Parallel
-from golden.networks.settings import Settings
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.dense import Dense, Quantiser, Trained, network_of
 from golden.trained.function import read_function

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax
-from golden.layers.argmax_tree import ArgmaxTree
+from golden.layers.argmax import Argmax, ArgmaxTree
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.numbers.fixed import Fix
 from tactus.verify.benches.collected import CASES

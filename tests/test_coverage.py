@@ -13,7 +13,7 @@ from golden.common.block import Block
 from golden.common.border import Border, State
 from golden.common.port import Unsigned, input_port, output_port
 from golden.layers.closest import closest
-from golden.layers.neuron import Neuron
+from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
 from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off.coverage import named_by

@@ -12,11 +12,11 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from test_engine import random_codes
 
-from golden.engine.bounds import error_bounds
 from golden.input_error import InputError
+from golden.networks.bounds import engine_bounds
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
-from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
 from tactus.network_files.network_file import load_network, write_network
@@ -204,7 +204,7 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
         assert np.array_equal(found[lean], exact(engine, codes))
     assert np.array_equal(found[True], found[False])
     off = np.abs(SIGNAL.to_real(found[True]) - wanted)
-    assert (off <= error_bounds(network, 9, network.shape[0])).all()
+    assert (off <= engine_bounds(network, 9, network.shape[0])).all()
 
 
 @pytest.mark.parametrize(

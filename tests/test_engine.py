@@ -27,8 +27,8 @@ from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.input_error import InputError
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp

@@ -8,12 +8,12 @@ import pytest
 from conftest import on_engine
 from test_engine import random_codes
 
-from golden.engine.bounds import error_bounds
 from golden.engine.graph import Kind
 from golden.engine.integer_network import evaluate
 from golden.input_error import InputError
+from golden.networks.bounds import engine_bounds
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
 from golden.trained.function import Function
@@ -75,7 +75,7 @@ def test_every_engine_adds_functions_up(options: dict) -> None:
     assert np.array_equal(found, evaluate(engine.integers, frames))
     assert len(engine.integers[0].layers) == 2
     off = np.abs(found / 2.0**SIGNAL.frac - network.process(frames / 2.0**SIGNAL.frac))
-    bounds = error_bounds(network, engine.program.segment_width, 3)
+    bounds = engine_bounds(network, engine.program.segment_width, 3)
     assert (off.max(axis=0) <= bounds).all()
     assert bounds.max() < 0.05
 

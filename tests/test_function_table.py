@@ -12,13 +12,11 @@ from test_engine import random_codes
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
-from golden.engine.graph import Kind
 from golden.engine.image import Image
 from golden.engine.lane_memory import block_of
-from golden.engine.operand_select import OperandSelect
 from golden.input_error import InputError
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
 from golden.trained.function import Function
@@ -53,10 +51,7 @@ def test_the_blocks_compute_the_function_with_the_published_error(function: Func
     code = codes_of((WAVE, function) if function != WAVE else (BELL, WAVE))[function]
     segments = (np.where(CODES < 0, ~CODES, CODES) >> 9) & (lines.segments - 1)
     places = segments + block_of(code, CODES < 0) * lines.segments
-    select = OperandSelect(9)
-    one, distance = (
-        select.process(CODES, np.full(len(CODES), kind)) for kind in (Kind.INTERCEPT, Kind.DISTANCE)
-    )
+    one, distance = np.where(CODES < 0, -1, 1) << DROPPED, (CODES & 511) - 256
     sums = np.array(lines.intercepts)[places] * one + np.array(lines.slopes)[places] * distance
     words = np.clip((sums + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
     off = format_of(function).to_real(words) - function.value(HIDDEN.to_real(CODES))

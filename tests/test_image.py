@@ -19,9 +19,9 @@ from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
-from golden.networks.settings import Settings
 from golden.trained.dense import Quantiser, Trained
 from tactus.cli.image import main
 from tactus.scene import Scene, load_scene, scene_path

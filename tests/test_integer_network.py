@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.engine.bounds import error_bounds
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
 from golden.engine.integer_network import IntegerLayer, LayerRounding, evaluate, sample_words
 from golden.engine.quantise import integer_networks
+from golden.networks.bounds import engine_bounds
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -183,7 +183,7 @@ def test_quantised_layers_are_exact(rounding: str) -> None:
     quantiser = Quantiser(2.0**-3, 0, 0, 15, rounding)
     network = random_network((4, 5, 3, 2), ("relu", "relu"), 1.0, 3, quantiser)
     engine = Engine.of([network])
-    bounds = error_bounds(network, engine.program.segment_width, 4)
+    bounds = engine_bounds(network, engine.program.segment_width, 4)
     assert (bounds < 1.5 * 2.0**-SIGNAL.frac).all()
     codes = frames_of(4)
     expected = real(network, SIGNAL.to_real(codes))
@@ -196,5 +196,5 @@ def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
     weights = np.abs(layers[-1].weights).sum(axis=1)
     first = Dense(layers[0].weights, layers[0].biases, "tanh")
     network = network_of([first, *layers[1:]])
-    bounds = error_bounds(network, 9, 4)
+    bounds = engine_bounds(network, 9, 4)
     assert (bounds >= weights * quantiser.scale).all()

@@ -19,9 +19,9 @@ from golden.engine.lane_groups import CHAIN, LaneGraph, reduction_steps
 from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.engine.pipeline import LanePipeline
 from golden.input_error import InputError
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
-from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, Quantiser, network_of
 from golden.trained.function import TANH, Function

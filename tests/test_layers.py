@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers.node_sum import NodeSum
+from golden.layers.weighted_sum import NodeSum
 from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
 

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.activation.left_out import left_out as left_out_of
-from golden.networks.left_out import left_out
+from golden.networks.left_out import left_out, parts_left_out
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.export.exporter import MANIFEST, export
@@ -56,7 +55,7 @@ def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
     scene = load_scene(str(path))
     same_results(scene)
     whole, lean = scene.twin(lean=False).activations[0], scene.twin().activations[0]
-    saved = left_out_of(lean)["comparators of segments no neuron reaches"]
+    saved = parts_left_out(lean)["comparators of segments no neuron reaches"]
     assert saved == len(whole.table.thresholds) - len(lean.table.thresholds) > 0
     _, text = exported(scene, tmp_path)
     assert len(re.findall(r"signed\(resize\(in_mag|in_mag > ", text)) < len(whole.table.thresholds)

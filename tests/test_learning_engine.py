@@ -9,8 +9,7 @@ import pytest
 from pages import section
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
-from golden.learning import steps
-from golden.learning.lesson import Lesson
+from golden.learning.gradient import Gradient, Lesson, start
 from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
@@ -114,15 +113,17 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
     desk = Desk(found)
     for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
         desk.show(samples, known)
-    run = steps.Run(taught, steps.lms(taught, rate), [0] * 2 * taught.sensors)
+    rule, theta, refused = Gradient(taught, np.array(rate)), start(lesson, taught), 0
     # A new placement comes first, and the oldest one after it.
     order = [len(lesson) - 1, *list(range(len(lesson))) * passes]
     for placement in order:
         desk.learn(found.outputs)
-        run.show(lesson, placement)
-        assert desk.timeline.theta == run.theta
-    assert desk.timeline.met["steps refused"] == run.flags
-    assert (run.flags > 0) is impossible
+        for output in range(found.outputs):
+            theta, (taken,) = rule.step(lesson, theta, placement, output)
+            refused += not taken
+        assert desk.timeline.theta == theta[0].tolist()
+    assert desk.timeline.met["steps refused"] == refused
+    assert (refused > 0) is impossible
 
 
 def test_outputs_are_those_of_the_corrected_networks(twin: LearningEngine) -> None:

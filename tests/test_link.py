@@ -8,14 +8,12 @@ import pytest
 from conftest import on_engine
 
 from golden.input_error import InputError
-from golden.instruments.uart_instrument import UartInstrument
+from golden.instruments.uart_instrument import PulseDensity, UartInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
-from golden.link.uart_receiver import UartReceiver
-from golden.link.uart_transmitter import UartTransmitter, bits_of
+from golden.link.uart import UartReceiver, UartTransmitter, bits_of
 from golden.numbers.fixed import Fix
-from golden.visualisation.pulse_density import PulseDensity
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import PLAIN_UART, UART

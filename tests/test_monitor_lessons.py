@@ -21,7 +21,6 @@ from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
-from golden.learning.unit import Unit
 from golden.link.packets import lesson_packet
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
@@ -276,8 +275,8 @@ def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
     assert [one["gain"] for one in state["corrections"]] == [f"{100 * g:+.2f}" for g in gain]
     assert [one["name"] for one in state["corrections"]] == list(scene.sensors)
     x = SIGNAL.to_real(samples)
-    words, unit = pupil.theta[np.newaxis].repeat(5, axis=0), Unit(5)
-    z = SAMPLE.to_real(pupil.taught.samples(words, samples << SAMPLE_SHIFT, unit))
+    words = pupil.theta[np.newaxis].repeat(5, axis=0)
+    z = SAMPLE.to_real(pupil.taught.samples(words, samples << SAMPLE_SHIFT))
     np.testing.assert_allclose(x + x * gain + offset, z, atol=1e-4)
     with TwinBoard(scene, 200.0, drift=drift) as simulated, Line(simulated.port, BAUD) as line:
         monitor, second = Monitor(board, print), simulated.lessons.pupil

@@ -19,11 +19,11 @@ from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import arrange
+from golden.networks.design import Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.trained.mlp import Mlp

@@ -23,7 +23,7 @@ from golden.networks.adder_graph import AdderGraph
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
-from golden.sensing.scan import Scan
+from golden.sensing.scan_sequencer import Scan
 from tactus.cli.demo import error_table
 from tactus.cli.listing import adders as listing
 from tactus.cli.train import train_scene

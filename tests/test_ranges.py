@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
+from golden.networks.bounds import engine_bounds
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork
@@ -139,7 +139,7 @@ def test_the_bounds_of_the_error_hold_where_nothing_saturates(seed: int, kinds: 
     off = np.abs(SIGNAL.to_real(engine.process(codes)) - real)
     met = hidden_peaks(network, SIGNAL.to_real(quiet(24, 30, seed)))
     assert sound.any()
-    assert (off[sound] <= error_bounds(network, 9, 24, met)).all()
+    assert (off[sound] <= engine_bounds(network, 9, 24, met)).all()
 
 
 # In scenes.

@@ -21,7 +21,7 @@ from golden.numbers import transcendental
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import EXACT
 from golden.numbers.transcendental import exp_floors, tanh_floors
-from golden.visualisation.exp_memory import exp_memory
+from golden.visualisation.load_profile import exp_memory
 from tactus.core import machine
 from tactus.scene import load_scene, scene_names
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.activation.left_out import left_out
 from golden.activation.pade import fraction, pade_real
 from golden.activation.reference import (
     inverse,
@@ -20,6 +19,7 @@ from golden.activation.reference import (
 )
 from golden.activation.schemes import forms
 from golden.input_error import InputError
+from golden.networks.left_out import parts_left_out
 from golden.numbers.precision import SIGNAL, THESIS
 from tactus.report.activations import plot_file
 from tactus.report.measure import activation_errors as errors
@@ -103,7 +103,7 @@ def test_what_is_out_of_reach_is_left_out_and_changes_nothing(name, precision, r
     limit = int(reach / factor * 2**precision.hidden_fmt.frac)
     full = FORMS[name].build(precision, factor, precision.hidden_fmt.high)
     lean = FORMS[name].build(precision, factor, limit)
-    assert left_out(lean).total() > left_out(full).total() == 0
+    assert parts_left_out(lean).total() > parts_left_out(full).total() == 0
     codes = np.arange(-limit, limit + 1)
     assert np.array_equal(lean.process(codes), full.process(codes))
 

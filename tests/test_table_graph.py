@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
+from golden.networks.design import Settings
 from golden.networks.function_sums import function_sums
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, hidden_weights
-from golden.networks.settings import Settings
 from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import GUARD, TableGraph
 from golden.numbers.precision import EXACT, SIGNAL

@@ -21,9 +21,8 @@ from golden.visualisation.functions import (
     harmonic_tail,
     power_load,
 )
-from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, load_profile
+from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, load_profile, ramp
 from golden.visualisation.power_fold import PowerFold
-from golden.visualisation.ramp import ramp
 from tactus.core.table import read_table
 from tactus.scene import load_scene, thesis_table
 from tactus.verify.benches.written import write_scene

@@ -37,10 +37,6 @@ class GradientParallel(Gradient):
         rows = zip(self.table.coeffs, self.table.intercepts, strict=True)
         return tuple(rows)[: -1 if self.saturates else None]
 
-    @property
-    def marks(self) -> tuple[int, ...]:
-        return tuple(self.table.thresholds)
-
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         addr = self.comparator_bank.process(mag)

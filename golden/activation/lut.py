@@ -7,11 +7,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.comparator_bank import ComparatorBank
-from golden.activation.odd_activation import OddActivation
+from golden.activation.odd_activation import Compared
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below
-from golden.common.block import Block
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Rounding, cut
 from golden.numbers.precision import SIGNAL, Precision
@@ -37,7 +35,7 @@ def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 @dataclass(frozen=True)
-class Lut(OddActivation):
+class Lut(Compared):
     """r = tanh(Q qbar), read from a table (thesis section 4.5.2.3.4).
 
     Word n holds tanh(3.5 n / 128) and stands for 3.5 n / 128 <= q < 3.5 (n + 1) / 128; from 3.5 on
@@ -61,10 +59,6 @@ class Lut(OddActivation):
     thresholds: tuple[int, ...]
 
     @property
-    def comparator_bank(self) -> ComparatorBank:
-        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
-
-    @property
     def addr_width(self) -> int:
         """Bits of the table's address."""
         return max(1, (len(self.words) - 1).bit_length())
@@ -75,9 +69,6 @@ class Lut(OddActivation):
         return (
             self.abs_unit.latency + self.comparator_bank.latency + 1 + self.sign_retriever.latency
         )
-
-    def parts(self) -> tuple[Block, ...]:
-        return self.abs_unit, self.comparator_bank, self.sign_retriever
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -7,10 +7,8 @@ from math import floor
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.comparator_bank import ComparatorBank
-from golden.activation.odd_activation import OddActivation
+from golden.activation.odd_activation import Compared
 from golden.activation.scheme import Option, Scheme
-from golden.common.block import Block
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
 from golden.numbers.precision import SIGNAL, Precision
@@ -128,7 +126,7 @@ class PadeFormats:
 
 
 @dataclass(frozen=True)
-class Pade(OddActivation):
+class Pade(Compared):
     """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
 
     d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, which takes one
@@ -165,10 +163,6 @@ class Pade(OddActivation):
     @property
     def interval(self) -> int:
         return self.iterations
-
-    @property
-    def comparator_bank(self) -> ComparatorBank:
-        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
 
     @property
     def q_width(self) -> int:
@@ -242,13 +236,6 @@ class Pade(OddActivation):
             + self.sign_retriever.latency
         )
 
-    def parts(self) -> tuple[Block, ...]:
-        return self.abs_unit, self.comparator_bank, self.sign_retriever
-
-    @property
-    def marks(self) -> tuple[int, ...]:
-        return self.thresholds
-
     @property
     def limits(self) -> dict[str, tuple[int, int]]:
         kept = self.formats.reciprocal
@@ -257,12 +244,6 @@ class Pade(OddActivation):
 
     def curved(self, data: Codes) -> NDArray[np.bool_]:
         return np.asarray(self.comparator_bank.process(self.abs_unit.process(data)[0]) == 0)
-
-    def compute(self, data: Codes) -> Codes:
-        negative = self.abs_unit.process(data)[1]
-        result = np.clip(self.unlimited(data)["result"], *self.limits["result"])
-        magnitude = np.where(self.curved(data), result, self.out_fmt.high)
-        return self.sign_retriever.process(magnitude, negative)
 
     def unlimited(self, data: Codes) -> dict[str, Codes]:
         mag, _ = self.abs_unit.process(data)

@@ -6,11 +6,9 @@ from math import ldexp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.comparator_bank import ComparatorBank
-from golden.activation.odd_activation import OddActivation
+from golden.activation.odd_activation import Compared
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below, nearest
-from golden.common.block import Block
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Rounding, cut, signed_width
 from golden.numbers.precision import SIGNAL, Precision
@@ -55,7 +53,7 @@ class PolynomialFormats:
 
 
 @dataclass(frozen=True)
-class Polynomial(OddActivation):
+class Polynomial(Compared):
     """r = tanh(Q qbar), approximated by two quadratics (thesis section 4.5.2.3.2, Figure 4.19).
 
     It computes (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28. From 3.5
@@ -81,10 +79,6 @@ class Polynomial(OddActivation):
     factor: int | None
     formats: PolynomialFormats
     rounding: Rounding
-
-    @property
-    def comparator_bank(self) -> ComparatorBank:
-        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
 
     @property
     def square_shift(self) -> int:
@@ -153,13 +147,6 @@ class Polynomial(OddActivation):
             + self.sign_retriever.latency
         )
 
-    def parts(self) -> tuple[Block, ...]:
-        return self.abs_unit, self.comparator_bank, self.sign_retriever
-
-    @property
-    def marks(self) -> tuple[int, ...]:
-        return self.thresholds
-
     @property
     def limits(self) -> dict[str, tuple[int, int]]:
         return {"result": (0, self.out_fmt.high)}
@@ -167,12 +154,6 @@ class Polynomial(OddActivation):
     def curved(self, data: Codes) -> NDArray[np.bool_]:
         segment = self.comparator_bank.process(self.abs_unit.process(data)[0])
         return np.asarray(segment < len(self.coeffs))
-
-    def compute(self, data: Codes) -> Codes:
-        negative = self.abs_unit.process(data)[1]
-        result = np.clip(self.unlimited(data)["result"], *self.limits["result"])
-        magnitude = np.where(self.curved(data), result, self.out_fmt.high)
-        return self.sign_retriever.process(magnitude, negative)
 
     def unlimited(self, data: Codes) -> dict[str, Codes]:
         return {"result": cut(self.exact(data), self.out_shift, self.rounding)}

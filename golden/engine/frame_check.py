@@ -9,7 +9,7 @@ from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.pipeline import Pipeline
 from golden.input_error import InputError
-from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
+from golden.layers.input_controller import BROKEN, JUDGED, FrameScan, judge
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.pipeline import Pipeline
-from golden.layers.frame_judge import JUDGED
+from golden.layers.input_controller import JUDGED
 from golden.numbers.fixed import Codes
 
 

@@ -259,20 +259,27 @@ def _measured(
 ) -> FunctionTable:
     """A table with its largest error over every code of q."""
     codes = np.arange(HIDDEN.low, HIDDEN.high + 1)
-    found = result.to_real(_results(width, both, words, codes))
+    found = result.to_real(table_results(width, both, words, codes))
     error = float(np.abs(found - function.value(HIDDEN.to_real(codes))).max())
     intercepts, slopes = (tuple(part.tolist()) for part in words)
     return FunctionTable(result, both, intercepts, slopes, error)
 
 
-def _results(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
+def table_results(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
     """The codes of a function that an engine computes for codes of q."""
+    word = (table_sums(width, both, words, q) + (1 << (DROPPED - 1))) >> DROPPED
+    return np.asarray(np.clip(word, RESULT.low, RESULT.high), dtype=np.int64)
+
+
+def table_sums(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
+    """The lines of a function's table at codes of q, in units of a product.
+
+    words: Intercepts and slopes; see ``FunctionTable``.
+    """
     intercepts, slopes = words
     negative = q < 0
     per = len(slopes) // (1 + both)
     segment = np.minimum(np.where(negative, ~q, q) >> width, per - 1) + per * (negative & both)
     one = np.where(negative, -1, 1) << DROPPED
     distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
-    total = intercepts[segment] * one + slopes[segment] * distance
-    word = (total + (1 << (DROPPED - 1))) >> DROPPED
-    return np.asarray(np.clip(word, RESULT.low, RESULT.high), dtype=np.int64)
+    return np.asarray(intercepts[segment] * one + slopes[segment] * distance, dtype=np.int64)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port
 from golden.instruments.scanned import Scanned
-from golden.numbers.fixed import Codes
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -60,6 +59,3 @@ class Instrument(Scanned):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
-
-    def compute(self, frames: Codes) -> Codes:
-        return self.readout.compute(frames)

@@ -1,10 +1,9 @@
 """How data flow through the blocks around a network, for the picture of the datapath."""
 
-from golden.common.flow import Flow, Step, Wire
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
-from golden.networks.pictures import flow_of
+from golden.networks.pictures import Flow, Step, Wire, flow_of
 from golden.numbers.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 

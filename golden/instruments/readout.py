@@ -8,15 +8,14 @@ from golden.common.block import Block
 from golden.common.port import Port, group, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
-from golden.layers.frame_judge import FrameJudge
-from golden.networks.network import Network, serial_ports
+from golden.networks.network import Around, Network, serial_ports
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
 
 @dataclass(frozen=True)
-class Readout(Network):
+class Readout(Around):
     """The outputs of a network as a stream and in registers, and what is made of them.
 
     Thesis section 5.5, Figures 5.12 and 5.25. It computes what the network inside computes: the
@@ -55,25 +54,13 @@ class Readout(Network):
         _ = self.argmax
 
     @property
+    def inside(self) -> Network:
+        return self.network
+
+    @property
     def argmax(self) -> Argmax | None:
         """The part that finds the largest output, where there is one."""
         return argmax_of_signals(self.outputs, self.decides)
-
-    @property
-    def inputs(self) -> int:
-        return self.network.inputs
-
-    @property
-    def outputs(self) -> int:
-        return self.network.outputs
-
-    @property
-    def past(self) -> int:
-        return self.network.past
-
-    @property
-    def interval(self) -> int:
-        return self.network.interval
 
     @property
     def result_ports(self) -> tuple[Port, ...]:
@@ -118,19 +105,8 @@ class Readout(Network):
     def busy(self) -> int:
         return self.network.busy
 
-    @property
-    def input_controller(self) -> FrameJudge:
-        return self.network.input_controller
-
-    @property
-    def core(self) -> Network:
-        return self.network.core
-
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *(part for part in (self.argmax, self.load_profile) if part))
-
-    def compute(self, frames: Codes) -> Codes:
-        return self.network.compute(frames)
 
     def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
         """Positions and profiles for frames of outputs; see ``LoadProfile.process``.

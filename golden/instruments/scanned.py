@@ -6,12 +6,11 @@ from golden.common.port import Port
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
-from golden.layers.frame_judge import FrameJudge
-from golden.networks.network import Network
+from golden.networks.network import Around, Network
 
 
 @dataclass(frozen=True)
-class Scanned(Network):
+class Scanned(Around):
     """A network whose frames are scans; it computes what the network inside computes."""
 
     area = "instruments"
@@ -48,6 +47,10 @@ class Scanned(Network):
             )
 
     @property
+    def inside(self) -> Network:
+        return self.readout
+
+    @property
     def shown_ports(self) -> tuple[Port, ...]:
         """The ports that show results; frames of the wrong length cannot occur."""
         network = self.readout.network
@@ -61,25 +64,5 @@ class Scanned(Network):
         return self.readout.image
 
     @property
-    def inputs(self) -> int:
-        return self.readout.inputs
-
-    @property
-    def outputs(self) -> int:
-        return self.readout.outputs
-
-    @property
-    def past(self) -> int:
-        return self.readout.past
-
-    @property
     def argmax(self) -> Argmax | None:
         return self.readout.argmax
-
-    @property
-    def input_controller(self) -> FrameJudge:
-        return self.readout.input_controller
-
-    @property
-    def core(self) -> Network:
-        return self.readout.core

@@ -16,6 +16,14 @@ need the squares of the hidden words and nothing else that is not a constant:
 
     dy/dz = sum over the nodes of c (1 - h^2) = C - sum of c h^2,   c = w2 w1,   C = sum of c
 
+The arithmetic is that of an engine: a sum is exact, half a unit of its word is added, the lowest
+bits are dropped, and what does not fit is saturated. A *product of two words* is not in an engine
+that does not learn. The program's weight, which is the coefficient of the multiplier, is replaced
+by a second word of the memory without its ``SHORT`` lowest bits, with the sign kept. Of words with
+a and b fraction bits, the product has a + b - ``SHORT``, and its word has a + b - 17 after
+``DROPPED`` bits: two fractions give a fraction. A sample loses nothing, because its lowest bits are
+zeros.
+
 ======================  ==========  ============================================
 word                    format      why
 ======================  ==========  ============================================
@@ -36,6 +44,7 @@ from functools import cached_property
 
 import numpy as np
 
+from golden.engine.fields import word_of
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -45,16 +54,18 @@ from golden.engine.formats import (
     SAMPLE_SHIFT,
     coeff_frac,
 )
+from golden.engine.function_table import table_sums
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
 from golden.engine.quantise import integer_networks
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
-from golden.learning.unit import Unit, coefficient
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.real import Real
 from golden.trained.function import TANH
 from golden.trained.mlp import Mlp
 
+# The lowest bits of a word that are dropped when it takes the place of a weight.
+SHORT = SAMPLE_SHIFT
 THETA = Fix(18, 14)
 GAIN = Fix(18, 17)
 # Fraction bits of a standard deviation of theta as a weight: of a gain, and of an offset.
@@ -66,6 +77,13 @@ SLOPE = Fix(18, 14)
 _OF_SQUARE = SLOPE.frac + DROPPED - RESULT.frac
 # Half a unit of an output, which is contained in its word; see ``integer_networks``.
 HALF = 1 << (OUTPUT_SHIFT - 1)
+# Half a unit of a word, in units of a product.
+HALF_WORD = 1 << (DROPPED - 1)
+
+
+def rounded(sums: Codes) -> Codes:
+    """The words of sums."""
+    return word_of(sums + HALF_WORD, False)
 
 
 @dataclass(frozen=True)
@@ -143,55 +161,39 @@ class Corrected:
         weights = self.gains / (1 << GAIN_WEIGHT), self.offsets / (1 << OFFSET_WEIGHT)
         return by_gain * weights[0], by_offset * weights[1]
 
-    def samples(self, theta: Codes, samples: Codes, unit: Unit) -> Codes:
+    def samples(self, theta: Codes, samples: Codes) -> Codes:
         """The corrected samples z as words, shape (drifts, sensors).
 
         theta: shape (drifts, 2 sensors).
         samples, shape (drifts, sensors): Words of samples.
         """
         by_gain, by_offset = np.split(theta, 2, axis=1)
-        gains = unit.word("gain", by_gain * self.gains, 1)
-        offsets = unit.word("offset", by_offset * self.offsets, 1)
-        sums = (samples << DROPPED) + gains * coefficient(samples) + (offsets << DROPPED)
-        return unit.word("corrected sample", sums, 3)
+        gains, offsets = rounded(by_gain * self.gains), rounded(by_offset * self.offsets)
+        return rounded((samples << DROPPED) + gains * (samples >> SHORT) + (offsets << DROPPED))
 
-    def hidden(self, number: int, words: Codes, unit: Unit) -> Codes:
+    def hidden(self, number: int, words: Codes) -> Codes:
         """The words of tanh of a network, shape (drifts, nodes), of samples and earlier outputs."""
-        layer = self.networks[number].layers[0]
-        q = unit.word("hidden sum", _sums(layer, words), 1 + words.shape[1])
-        return unit.word("tanh", self._lines(q), 2)
+        network = self.networks[number]
+        q = rounded(_sums(network.layers[0], words))
+        return rounded(table_sums(network.segment_width, False, self._table, q))
 
-    def output(self, number: int, hidden: Codes, unit: Unit) -> Codes:
+    def output(self, number: int, hidden: Codes) -> Codes:
         """The word of an output with half a unit of it, as engines keep it, shape (drifts, 1)."""
-        sums = _sums(self.networks[number].layers[1], hidden)
         # The start of the sum holds what a word of an output is rounded by.
-        half = 1 << (DROPPED - 1)
-        return unit.word("output", sums - half, 1 + hidden.shape[1])
+        return word_of(_sums(self.networks[number].layers[1], hidden), False)
 
-    def slopes(self, number: int, hidden: Codes, unit: Unit) -> Codes:
+    def slopes(self, number: int, hidden: Codes) -> Codes:
         """The derivatives of an output by the corrected samples, shape (drifts, sensors)."""
         of_one, of_square = self.slope_weights[number]
-        squares = unit.word("square", hidden * coefficient(hidden), 1)
-        sums = (of_one << DROPPED) - squares @ of_square
-        return unit.word("slope", sums, 1 + len(of_square))
+        squares = rounded(hidden * (hidden >> SHORT))
+        return rounded((of_one << DROPPED) - squares @ of_square)
 
     def process(self, theta: Codes, samples: Codes) -> Codes:
         """The output codes of whole frames, shape (frames, outputs), with one row of theta each."""
-        unit = Unit(len(theta))
-        words = self.samples(theta, samples << SAMPLE_SHIFT, unit)
+        words = self.samples(theta, samples << SAMPLE_SHIFT)
         for number in range(self.outputs):
-            found = self.output(number, self.hidden(number, words, unit), unit)
-            words = np.hstack([words, found])
+            words = np.hstack([words, self.output(number, self.hidden(number, words))])
         return np.asarray(words[:, self.sensors :] >> OUTPUT_SHIFT, dtype=np.int64)
-
-    def _lines(self, q: Codes) -> Codes:
-        """The line of the table of tanh at each word; see ``golden.engine.integer_network``."""
-        width = self.networks[0].segment_width
-        table, slopes = self._table
-        segment = np.minimum(np.where(q < 0, ~q, q) >> width, len(table) - 1)
-        ones = np.where(q < 0, -1, 1) << DROPPED
-        distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
-        return np.asarray(table[segment] * ones + slopes[segment] * distance, dtype=np.int64)
 
     @cached_property
     def _table(self) -> tuple[Codes, Codes]:

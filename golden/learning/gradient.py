@@ -11,23 +11,121 @@ step of back-propagation. The word of ``step error`` is Fix(18,12): the length o
 of the row.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from golden.engine.formats import DROPPED
-from golden.learning.corrected import THETA, Corrected
-from golden.learning.lesson import ERROR, ROW, Equation, Lesson, bounded, equation, start
-from golden.learning.unit import SHORT, WAIT, Unit, coefficient
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE, SAMPLE_SHIFT
+from golden.learning.corrected import (
+    GAIN_WEIGHT,
+    HALF,
+    HALF_WORD,
+    OFFSET_WEIGHT,
+    SHORT,
+    SLOPE,
+    THETA,
+    Corrected,
+    rounded,
+)
 from golden.numbers.fixed import Codes, Fix
 
+# The format of an error, and of a derivative by theta, of which those of ``digit`` stay below 0.09.
+ERROR = Fix(18, 17)
+ROW = Fix(18, 19)
+# That of a derivative by a corrected sample times the sample.
+_TIMES_SAMPLE = Fix(18, SLOPE.frac + SAMPLE.frac - SHORT - DROPPED)
 _MOVED = Fix(18, THETA.frac + DROPPED - (ROW.frac - SHORT))
 STEP = Fix(18, _MOVED.frac + DROPPED - ERROR.frac)
 # About how many placements are kept, for the leak: with more of them it takes too much.
 PLACEMENTS = 8
 # A part of 2**-8, so that what all placements say is learned from a poor network too.
 MOST_LEAK = 64
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """Placements in the order in which they are shown, for several drifts side by side.
+
+    samples, shape (drifts, placements, sensors): Codes of what drifted sensors read.
+    targets, shape (drifts, placements, outputs): Codes of the known outputs.
+    """
+
+    samples: Codes
+    targets: Codes
+
+    def __len__(self) -> int:
+        return int(self.targets.shape[1])
+
+    @property
+    def drifts(self) -> int:
+        return len(self.samples)
+
+    def words(self, placement: int) -> Codes:
+        """The words of the samples of a placement, shape (drifts, sensors)."""
+        return np.asarray(self.samples[:, placement] << SAMPLE_SHIFT, dtype=np.int64)
+
+    def known(self, placement: int) -> Codes:
+        """The words of its known outputs, shape (drifts, outputs), as an engine keeps outputs."""
+        return np.asarray((self.targets[:, placement] << OUTPUT_SHIFT) + HALF, dtype=np.int64)
+
+    def hidden(self, taught: Corrected, theta: Codes, placement: int, output: int) -> Codes:
+        """The hidden words of the network of an output, which reads known outputs before it."""
+        corrected = taught.samples(theta, self.words(placement))
+        return taught.hidden(output, np.hstack([corrected, self.known(placement)[:, :output]]))
+
+
+@dataclass(frozen=True)
+class Equation:
+    """What an output of a placement says: ``error = row . (theta sought - theta)``.
+
+    error, shape (drifts,): The known output less the one found.
+    row, shape (drifts, 2 sensors): Derivatives of the output by theta.
+    """
+
+    error: Codes
+    row: Codes
+
+
+def equation(
+    taught: Corrected, lesson: Lesson, theta: Codes, placement: int, output: int
+) -> Equation:
+    """The equation of an output of a placement at ``theta``, through the network's derivatives.
+
+    Equation: ``row = (dy/dz x G, dy/dz O)`` with the standard deviations G and O of theta.
+    """
+    hidden = lesson.hidden(taught, theta, placement, output)
+    found, known = taught.output(output, hidden)[:, 0], lesson.known(placement)[:, output]
+    slopes = taught.slopes(output, hidden)
+    by_gain = rounded(slopes * (lesson.words(placement) >> SHORT))
+    gains, offsets = row_weights(taught)
+    row = np.hstack([rounded(by_gain * gains), rounded(slopes * offsets)])
+    return Equation(rounded((known - found) << DROPPED), row)
+
+
+def row_weights(taught: Corrected) -> tuple[Codes, Codes]:
+    """The weights of theta in a row: of a derivative times a sample, and of one alone."""
+    gains = taught.gains << (ROW.frac + DROPPED - _TIMES_SAMPLE.frac - GAIN_WEIGHT)
+    offsets = taught.offsets << (ROW.frac + DROPPED - SLOPE.frac - OFFSET_WEIGHT)
+    return gains, offsets
+
+
+def start(lesson: Lesson, taught: Corrected) -> Codes:
+    """Theta without any correction, shape (drifts, 2 sensors)."""
+    return np.zeros((lesson.drifts, 2 * taught.sensors), dtype=np.int64)
+
+
+def bounded(theta: Codes, wanted: Codes) -> tuple[Codes, NDArray[np.bool_]]:
+    """The new theta, and whether the step is taken; the old one where it would leave its format.
+
+    theta, wanted: shape (drifts, 2 sensors).
+    """
+    inside = (wanted >= THETA.low) & (wanted <= THETA.high)
+    fits = np.asarray(inside.all(axis=1), dtype=bool)
+    return np.where(fits[:, np.newaxis], wanted, theta), fits
 
 
 @dataclass(frozen=True)
@@ -42,26 +140,30 @@ class Gradient:
     constant: Codes
     equation: Callable[..., Equation] = equation
 
-    def learn(self, lesson: Lesson, passes: int, unit: Unit) -> Codes:
-        """Theta after so many passes over the placements, shape (drifts, 2 sensors)."""
-        theta = start(lesson, self.taught)
+    def learn(self, lesson: Lesson, passes: int) -> tuple[Codes, int]:
+        """Theta after so many passes over the placements, shape (drifts, 2 sensors).
+
+        Returns also how many steps were not taken, of all drifts.
+        """
+        theta, refused = start(lesson, self.taught), 0
         for _ in range(passes):
             for placement in range(len(lesson)):
                 for output in range(self.taught.outputs):
-                    theta = self.step(lesson, theta, placement, output, unit)
-        return theta
+                    theta, taken = self.step(lesson, theta, placement, output)
+                    refused += int((~taken).sum())
+        return theta, refused
 
-    def step(self, lesson: Lesson, theta: Codes, placement: int, output: int, unit: Unit) -> Codes:
-        """Theta after the equation of one output of one placement."""
-        found = self.equation(self.taught, lesson, theta, placement, output, unit)
+    def step(
+        self, lesson: Lesson, theta: Codes, placement: int, output: int
+    ) -> tuple[Codes, NDArray[np.bool_]]:
+        """Theta after the equation of one output of one placement, and whether it was taken."""
+        found = self.equation(self.taught, lesson, theta, placement, output)
         step, leak = self.constant[output]
-        moved = unit.word("step times error", found.error * step, 1)
+        moved = rounded(found.error * step)
         # With 28 fraction bits.
-        by = moved[:, np.newaxis] * coefficient(found.row)
-        unit.takes(2 * by.shape[1], WAIT)
+        by = moved[:, np.newaxis] * (found.row >> SHORT)
         wanted = (theta << DROPPED) + by - theta * leak
-        unit.reaches(wanted)
-        return bounded(theta, (wanted + (1 << (DROPPED - 1))) >> DROPPED, unit)
+        return bounded(theta, (wanted + HALF_WORD) >> DROPPED)
 
 
 def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
@@ -76,8 +178,8 @@ def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
     targets, shape (rows, outputs): Its known outputs.
     """
     rows = Lesson(codes[:, np.newaxis], targets[:, np.newaxis])
-    unit, theta = Unit(rows.drifts), start(rows, taught)
-    found = [equation(taught, rows, theta, 0, output, unit) for output in range(taught.outputs)]
+    theta = start(rows, taught)
+    found = [equation(taught, rows, theta, 0, output) for output in range(taught.outputs)]
     longest = np.array([(ROW.to_real(one.row) ** 2).sum(axis=1).max() for one in found])
     # An output that no sensor moves has the largest step there is.
     least = 0.5 / STEP.to_real(np.array(STEP.high))

@@ -31,7 +31,7 @@ from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
 from golden.engine.tanh_table import LineTable
 from golden.learning import steps
-from golden.learning.corrected import Corrected
+from golden.learning.corrected import SHORT, Corrected
 from golden.learning.places import Places
 from golden.learning.segments import (
     Planner,
@@ -42,7 +42,6 @@ from golden.learning.segments import (
     slots,
     waiting,
 )
-from golden.learning.unit import SHORT
 from golden.numbers.fixed import Codes
 
 # In the place of the bit for the intercept, which follows from the kind: the coefficient is a

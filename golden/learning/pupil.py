@@ -11,9 +11,7 @@ import numpy as np
 
 from golden.engine.formats import OUTPUT_SHIFT
 from golden.learning.corrected import Corrected
-from golden.learning.gradient import Gradient
-from golden.learning.lesson import Lesson
-from golden.learning.unit import Unit
+from golden.learning.gradient import Gradient, Lesson
 from golden.numbers.fixed import Codes
 
 
@@ -73,17 +71,16 @@ class Pupil:
         """
         if not self._kept:
             return False
-        lesson, unit = self._kept[self._shown], Unit(1)
+        lesson = self._kept[self._shown]
         before = self.theta[np.newaxis]
-        self.theta = self._rule.step(lesson, before, 0, self._output, unit)[0]
-        taken = not unit.saturated["step"].any()
-        self.steps += taken
-        self.changes += taken
-        self.refused += not taken
+        (self.theta,), (taken,) = self._rule.step(lesson, before, 0, self._output)
+        self.steps += int(taken)
+        self.changes += int(taken)
+        self.refused += int(not taken)
         self._output = (self._output + 1) % self.taught.outputs
         if not self._output:
             self._shown = (self._shown + 1) % len(self._kept)
-        return taken
+        return bool(taken)
 
     def process(self, frames: Codes) -> Codes:
         """The output codes of frames of samples, shape (frames, outputs), as it is taught now."""

@@ -23,9 +23,8 @@ from enum import Enum
 
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.integer_network import line_at
-from golden.learning.corrected import Corrected
-from golden.learning.lesson import Lesson, row_weights
-from golden.learning.unit import SHORT
+from golden.learning.corrected import SHORT, Corrected
+from golden.learning.gradient import Lesson, row_weights
 from golden.numbers.fixed import Fix
 from golden.trained.function import TANH
 

@@ -15,9 +15,8 @@ from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.layers.input_controller import InputController
-from golden.networks.at_once import AtOnce
 from golden.networks.constants import Constants, Layer, constants_of
+from golden.networks.design import AtOnce, Settings
 from golden.networks.matrix_network import (
     GUARD,
     MatrixOptions,
@@ -27,7 +26,6 @@ from golden.networks.matrix_network import (
     tabled,
 )
 from golden.networks.network import CHUNK
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.dense import Trained
@@ -61,12 +59,9 @@ class AdderGraph(AtOnce):
     """
 
     block = "adder_graph"
-    arrangements = together = ("single", "multiple")
-    precisions = (EXACT.name,)
     known_activations = ("bipartite",)
     half_codes = True
     options = tuple(OPTIONS)
-    stream = "words"
     layers: tuple[ConstantMatrix, ...]
     activations: tuple[tuple[Bipartite, ...], ...]
     constant_nodes: int = field(default=0, kw_only=True)
@@ -193,22 +188,9 @@ class AdderGraph(AtOnce):
         return len(self.layers[-1].weights)
 
     @property
-    def unreachable(self) -> dict[str, str]:
-        return {"frame_error=1": "a frame a clock is never too close"}
-
-    @property
-    def interval(self) -> int:
-        return self.min_interval
-
-    @property
     def latency(self) -> int:
         tables = sum(tables[0].latency for tables in self.activations if tables)
         return tables + sum(matrix.latency for matrix in self.layers)
-
-    @property
-    def input_controller(self) -> InputController:
-        """A frame is one element and always good, so no hardware decides about it."""
-        return InputController(1, 0)
 
     def parts(self) -> tuple[Block, ...]:
         found: list[Block] = []

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from golden.input_error import InputError
 from golden.networks.cascade import Cascade
-from golden.networks.design import Design
+from golden.networks.design import DEFAULTS, Design, Settings
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
-from golden.networks.settings import DEFAULTS, Settings
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
 from golden.trained.mlp import Activation

@@ -10,7 +10,7 @@ from golden.common.port import CLOCK, RESET, Port, Unsigned, input_port, output_
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network, frame_error
+from golden.networks.network import Around, Network, frame_error
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL
 
@@ -26,7 +26,7 @@ FIFO_CLOCKS = 2
 
 
 @dataclass(frozen=True)
-class AxisNetwork(Network):
+class AxisNetwork(Around):
     """A network whose frames and outputs are transferred with a handshake.
 
     It computes the same outputs from the same frames as the network inside. A frame consists of its
@@ -46,24 +46,12 @@ class AxisNetwork(Network):
         _ = self.argmax
 
     @property
+    def inside(self) -> Network:
+        return self.network
+
+    @property
     def argmax(self) -> Argmax | None:
         return argmax_of_signals(self.outputs, self.decides)
-
-    @property
-    def inputs(self) -> int:
-        return self.network.inputs
-
-    @property
-    def outputs(self) -> int:
-        return self.network.outputs
-
-    @property
-    def past(self) -> int:
-        return self.network.past
-
-    @property
-    def interval(self) -> int:
-        return self.network.interval
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -144,15 +132,8 @@ class AxisNetwork(Network):
         """Judges frames as they are sent. It is not built, and no frame comes too close."""
         return InputController(self.inputs, 0)
 
-    @property
-    def core(self) -> Network:
-        return self.network.core
-
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.argmax] if self.argmax else []))
-
-    def compute(self, frames: Codes) -> Codes:
-        return self.network.compute(frames)
 
     def winners(self, outputs: ArrayLike) -> Codes:
         """``m_axis_tuser`` at the last output of each frame.

@@ -1,18 +1,21 @@
-"""How far a bit-true network of two layers can be from real arithmetic."""
+"""How far a bit-true network can be from real arithmetic."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.engine.formats import ONE, coeff_frac
-from golden.engine.quantise import first_values, planned
+from golden.engine.formats import HIDDEN, ONE, RESULT, coeff_frac
+from golden.engine.function_table import table_of
+from golden.engine.grid import Value
+from golden.engine.quantise import PlannedLayer, first_values, planned
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.networks.constants import Layer, quantised, used_nodes
 from golden.numbers.precision import SIGNAL, Precision
 from golden.numbers.real import Real
-from golden.trained.dense import DenseNetwork
+from golden.trained.dense import DenseNetwork, Trained
+from golden.trained.function import Function
 from golden.trained.mlp import Mlp
 
 
@@ -43,47 +46,116 @@ def built_nodes(second: Layer, count: int) -> list[int]:
     return every if len(every) == count else used_nodes(second)
 
 
+def engine_bounds(
+    network: Trained, segment_width: int, sensors: int, met: Sequence[float] = ()
+) -> Real:
+    """How far each output of a network in an engine can be from real arithmetic that saturates.
+
+    Real arithmetic saturates the sum in front of each table, and the output, where the engine does.
+    Behind a table the error of a sum is multiplied by the steepest slope of the function, and the
+    error of the table is added.
+
+    sensors: How many inputs are samples; the others are outputs of earlier networks.
+    met: See ``planned``, and ``_through`` for the frames for which the bounds hold.
+
+    The operand memory keeps an earlier output, which a later network reads, with four bits more
+    than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
+    output's code.
+    """
+    seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
+    values = first_values(sensors, network.shape[0] - sensors)
+
+    def add(_: int, one: PlannedLayer, errors: Real, off: Real) -> Real:
+        exact, layer = one.exact, one.layer
+        frac = SIGNAL.frac if exact.output else layer.result.frac
+        off = off + 2.0 ** -(frac + 1)
+        off += [
+            sum(
+                _steepest(function) * errors[word] + table_of(function, segment_width).error
+                for word, function in layer.added_to(node)
+            )
+            for node in range(layer.nodes)
+        ]
+        if layer.functions:
+            tables = [table_of(function, segment_width).error for function in layer.functions]
+            off = off * [_steepest(function) for function in layer.functions] + tables
+        # The largest word is one unit below 1.
+        return off + 2.0**-frac * (exact.activation == "hard_tanh")
+
+    return _through(network, values, met, np.array([seen * v.earlier for v in values]), add)
+
+
 def layered_bounds(
     network: DenseNetwork,
     layers: Sequence[ConstantMatrix],
     activations: Sequence[Sequence[ActivationBlock]],
     met: Sequence[float] = (),
 ) -> Real:
-    """The bounds of the error of each output of a network in matrices and tables.
+    """The same for a network in matrices and tables.
 
-    Layer by layer the error of a sum is that of its operands, times their weights, plus the error
-    of the rounded weights and bias, of the bits that are cut, and of rounding the result. Behind a
-    table its error is added. No activation has a slope above 1. A quantiser is exact where its
-    operands are; where they are not, it can be a whole step off.
-
-    The bounds hold for frames in which no sum saturates in front of a ReLU or a linear layer. With
-    ``met``, the ranges of these layers are from the data; see ``planned``.
+    To the error of a sum that of the bits that are cut is added, that of rounding the result, and
+    behind a table its error.
     """
-    values = first_values(network.shape[0], 0)
-    errors = np.zeros(len(values))
     tables = [*activations, ()]
-    for one, matrix, table in zip(planned(network, values, met), layers, tables, strict=True):
-        exact, layer = one.exact, one.layer
+
+    def add(number: int, one: PlannedLayer, _: Real, off: Real) -> Real:
+        matrix = layers[number]
+        units = max(max(map(abs, ends)) for ends in matrix.errors) + 1
+        step = 2.0**-matrix.out_fmt.frac
+        off = off + (units / 2.0**matrix.out_shift + 0.5) * step
+        off = off + max((activation_error(table, 1) for table in tables[number]), default=0.0)
+        # The largest word is a step below 1.
+        return off + step * (one.exact.activation == "hard_tanh")
+
+    values = first_values(network.shape[0], 0)
+    return _through(network, values, met, np.zeros(len(values)), add)
+
+
+def _through(
+    network: Trained,
+    values: list[Value],
+    met: Sequence[float],
+    errors: Real,
+    add: Callable[[int, PlannedLayer, Real, Real], Real],
+) -> Real:
+    """The bounds of the error of each output, layer by layer.
+
+    The error of a sum is that of its operands, times their weights, plus the error of the rounded
+    weights and bias. No activation without a table has a slope above 1. A quantiser is exact where
+    its operands are; where they are not, it can be a whole step off.
+
+    Where the range of a layer is from the data (``met``), the bounds hold only for frames in which
+    none of its sums saturates, which ``Network.saturations`` tells. For any other frame there is no
+    bound. Where all ranges are from bounds, they hold for every frame.
+
+    values, errors: The operands of the first layer, and how far each is off.
+    add: The error of a layer's results, for its number, its plan, and the errors of operands and of
+        sums.
+    """
+    off = errors
+    for number, one in enumerate(planned(network, values, met)):
+        exact, result = one.exact, one.layer.result
         weights = np.array(
             [[abs(float(row[v.node] * v.factor)) for v in values] for row in exact.weights]
         )
         off = weights @ errors
         if exact.grid:
-            off = np.where(off > 0, off + 2.0 ** (exact.grid.cut - layer.result.frac), 0.0)
+            off = np.where(off > 0, off + 2.0 ** (exact.grid.cut - result.frac), 0.0)
         else:
             reached = [max(-v.low, v.high) * 2.0**-v.fmt.frac for v in values]
-            halves = [2.0 ** -(coeff_frac(layer.result, v.fmt) + 1) for v in values]
-            off = off + np.dot(halves, reached) + 2.0 ** -(coeff_frac(layer.result, ONE) + 1)
-            units = max(max(map(abs, ends)) for ends in matrix.errors) + 1
-            step = 2.0**-matrix.out_fmt.frac
-            off = off + (units / 2.0**matrix.out_shift + 0.5) * step
-            off = off + max((activation_error(one, 1) for one in table), default=0.0)
-            # The largest word is a step below 1.
-            off = off + step * (exact.activation == "hard_tanh")
+            halves = [2.0 ** -(coeff_frac(result, v.fmt) + 1) for v in values]
+            off = off + np.dot(halves, reached) + 2.0 ** -(coeff_frac(result, ONE) + 1)
+            off = add(number, one, errors, off)
         values = one.values
         errors = off[[value.node for value in values]]
-    result: Real = off
-    return result
+    return off
+
+
+@lru_cache
+def _steepest(function: Function) -> float:
+    """The largest slope of a function over the codes of q."""
+    q = HIDDEN.to_real(np.arange(HIDDEN.low, HIDDEN.high + 1))
+    return float(np.abs(np.diff(function.value(q))).max() * 2.0**HIDDEN.frac)
 
 
 def _rounded(

@@ -7,9 +7,8 @@ import numpy as np
 from golden.common.block import Block
 from golden.common.port import Port
 from golden.layers.input_controller import InputController
-from golden.layers.output_collector import OutputCollector
+from golden.networks.multiple import OutputCollector, Several
 from golden.networks.network import serial_ports
-from golden.networks.several import Several
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.sensing.stream_multiplexer import StreamMultiplexer

@@ -10,8 +10,8 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
-from golden.layers.node_sum import NodeSum
-from golden.networks.settings import Settings
+from golden.layers.weighted_sum import NodeSum
+from golden.networks.design import Settings
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL, Precision, normalisation
 from golden.numbers.real import Real

@@ -7,13 +7,44 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from golden.common.port import Port
 from golden.input_error import InputError
+from golden.layers.argmax import ArgmaxTree
+from golden.layers.input_controller import InputController
 from golden.networks.network import Network
-from golden.networks.settings import DEFAULTS, Settings
-from golden.numbers.precision import PRECISIONS
+from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, Precision
 from golden.trained.dense import Trained, layers_of
 from golden.trained.function import table_names
 from golden.trained.mlp import Mlp
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Everything on which the hardware of a network depends, except its weights.
+
+    activation: A name of ``SCHEMES``.
+    activation_options: The options of the activation that are set.
+    options: The options of the design that are set.
+    lean: Whether to leave out what the weights make useless: hidden nodes, segments of activations,
+        and terms of a sum. The results are the same either way.
+    met: For each network the largest magnitudes on recorded frames (``golden.engine.ranges``);
+        empty where no frames are known.
+    reached: For each network the least and the largest sum of each node of its last hidden layer on
+        recorded frames, where these nodes have functions; else empty.
+    """
+
+    precision: Precision = EXACT
+    activation: str = EXACT.activation
+    activation_options: Mapping[str, object] = field(default_factory=dict)
+    options: Mapping[str, object] = field(default_factory=dict)
+    lean: bool = True
+    met: Sequence[Sequence[float]] = ()
+    reached: Sequence[Sequence[tuple[float, float]]] = ()
+
+
+# The exact precision with its own activation, and the default of every option.
+DEFAULTS = Settings()
+
 
 # The words of the largest program, each for a weight. Nothing larger was ever exported.
 MOST_WEIGHTS = 1 << 18
@@ -145,3 +176,39 @@ class Design(Network):
                 )
             found.append(network)
         return found
+
+
+@dataclass(frozen=True)
+class AtOnce(Design):
+    """A design that takes a frame in one clock and gives all its outputs in another.
+
+    decides: Whether there are the index and the margin of the largest output.
+    """
+
+    arrangements = together = ("single", "multiple")
+    precisions = (EXACT.name,)
+    decides_itself = True
+    stream = "words"
+    decides: bool = field(default=False, kw_only=True)
+
+    @property
+    def argmax(self) -> ArgmaxTree | None:
+        return ArgmaxTree(SIGNAL, self.outputs) if self.decides else None
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        winner = self.argmax.serial.result_ports("winner") if self.argmax else ()
+        return (*super().ports, *winner)
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        return {"frame_error=1": "a frame a clock is never too close"}
+
+    @property
+    def interval(self) -> int:
+        return self.min_interval
+
+    @property
+    def input_controller(self) -> InputController:
+        """A frame is one element and always good, so no hardware decides about it."""
+        return InputController(1, 0)

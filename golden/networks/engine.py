@@ -9,6 +9,7 @@ import numpy as np
 
 from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
+from golden.engine.datapath import LaneAccumulate, LaneRound, OperandMemory
 from golden.engine.formats import DROPPED
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
@@ -17,22 +18,18 @@ from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of, own_image
 from golden.engine.image_loader import ImageLoader
 from golden.engine.integer_network import IntegerNetwork
-from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_groups import assign_to_lanes
 from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
-from golden.engine.lane_round import LaneRound
 from golden.engine.neurons import graph_of
-from golden.engine.operand_memory import OperandMemory
 from golden.engine.pipeline import LanePipeline
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.input_error import InputError
-from golden.networks.design import Design
+from golden.networks.design import Design, Settings
 from golden.networks.network import CHUNK
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT
 from golden.trained.dense import Trained

@@ -14,8 +14,7 @@ from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import constants_of
-from golden.networks.design import Design
-from golden.networks.settings import Settings
+from golden.networks.design import Design, Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Trained

@@ -8,14 +8,16 @@ import numpy as np
 
 from golden.common.block import Block
 from golden.common.port import Port, input_port, output_port
+from golden.engine.datapath import (
+    MultiplyAccumulate,
+    OperandMemory,
+    OperandSelect,
+    RoundSaturate,
+    TableAddress,
+)
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.multiply_accumulate import MultiplyAccumulate
-from golden.engine.operand_memory import OperandMemory
-from golden.engine.operand_select import OperandSelect
-from golden.engine.round_saturate import RoundSaturate
-from golden.engine.table_address import TableAddress
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
 from golden.learning.program import EQUATIONS, FRAME, LessonProgram, lesson_program

@@ -5,7 +5,16 @@ from collections.abc import Sequence
 from functools import singledispatch
 
 from golden.activation.activation_block import ActivationBlock
-from golden.activation.left_out import left_out as left_out_of
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_table import MAGNITUDE_WIDTH
+from golden.activation.gradient import Gradient
+from golden.activation.gradient_parallel import GradientParallel
+from golden.activation.lut import DEPTH, Lut
+from golden.activation.pade import Pade
+from golden.activation.polynomial import UPPER as POLYNOMIAL_UPPER
+from golden.activation.polynomial import Polynomial
+from golden.activation.precise import Precise
+from golden.activation.segments import UPPER
 from golden.common.block import Block
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import AxisNetwork
@@ -13,9 +22,9 @@ from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.engine import WHOLE_ACC_WIDTH, Engine
 from golden.networks.hybrid import Hybrid
+from golden.networks.multiple import Several
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
-from golden.networks.several import Several
 from golden.networks.windowed import Windowed
 
 
@@ -109,7 +118,7 @@ def _(network: Engine) -> list[str]:
 
 def of_hidden_nodes(network: Design, activations: Sequence[ActivationBlock]) -> list[str]:
     """Texts about parts that the activations lack in total, and about nodes that are not built."""
-    counts: Counter[str] = sum(map(left_out_of, activations), Counter())
+    counts: Counter[str] = sum(map(parts_left_out, activations), Counter())
     return [f"{n} {what}" for what, n in sorted(counts.items())] + of_useless_nodes(network)
 
 
@@ -117,3 +126,58 @@ def of_useless_nodes(network: Design) -> list[str]:
     """A text about hidden nodes that are not built, if there are any."""
     count = network.useless_nodes
     return [f"{count} hidden nodes whose weights to the outputs are 0"] if count else []
+
+
+COMPARATORS = "comparators of segments no neuron reaches"
+MULTIPLIERS = "multipliers of segments no neuron reaches"
+ROM_WORDS = "ROM words of segments no neuron reaches"
+TABLE_WORDS = "table words that no neuron reaches"
+
+
+@singledispatch
+def parts_left_out(_: ActivationBlock) -> Counter[str]:
+    """How many parts of each kind the block lacks because the neuron cannot need them."""
+    return Counter()
+
+
+@parts_left_out.register
+def _(block: Bipartite) -> Counter[str]:
+    reached = block.words_within(min(block.reach_width, MAGNITUDE_WIDTH))
+    return +Counter({TABLE_WORDS: block.words_within(MAGNITUDE_WIDTH) - reached})
+
+
+@parts_left_out.register
+def _(block: Gradient) -> Counter[str]:
+    comparators = len(UPPER) - len(block.table.thresholds)
+    # The word of what saturates comes with the last comparator.
+    words = 2 * (len(UPPER) + 1 - len(block.table.coeffs)) if comparators else 0
+    return +Counter({COMPARATORS: comparators, ROM_WORDS: words})
+
+
+@parts_left_out.register
+def _(block: GradientParallel) -> Counter[str]:
+    comparators = len(UPPER) - len(block.table.thresholds)
+    return +Counter({COMPARATORS: comparators, MULTIPLIERS: len(UPPER) - len(block.segments)})
+
+
+@parts_left_out.register
+def _(block: Lut) -> Counter[str]:
+    words, comparators = DEPTH - len(block.words), 1 - len(block.thresholds)
+    return +Counter({TABLE_WORDS: words, COMPARATORS: comparators})
+
+
+@parts_left_out.register
+def _(block: Pade) -> Counter[str]:
+    return +Counter({COMPARATORS: 1 - len(block.thresholds)})
+
+
+@parts_left_out.register
+def _(block: Polynomial) -> Counter[str]:
+    comparators = len(POLYNOMIAL_UPPER) - len(block.thresholds)
+    words = 3 * (len(POLYNOMIAL_UPPER) - len(block.coeffs))
+    return +Counter({COMPARATORS: comparators, ROM_WORDS: words})
+
+
+@parts_left_out.register
+def _(block: Precise) -> Counter[str]:
+    return +Counter({ROM_WORDS: len(block.whole.intercepts) - block.words})

@@ -5,10 +5,93 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.frame_judge import FrameJudge
-from golden.networks.several import Several
-from golden.numbers.fixed import Codes
+from golden.layers.input_controller import FrameJudge
+from golden.networks.design import Design
+from golden.networks.network import Network
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL
+
+
+@dataclass(frozen=True)
+class OutputCollector(Block):
+    """Turns the outputs of several networks into one frame (thesis section 5.5).
+
+    fmt: Format of the results.
+    outputs: Number of results of one frame, 1 or more.
+    """
+
+    block = "output_collector"
+    part_of = "cascade"
+    section = "5.5"
+    area = "layers"
+    latency = 1
+    fmt: Fix
+    outputs: int
+
+    def __post_init__(self) -> None:
+        if self.outputs < 1:
+            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+
+    @property
+    def interval(self) -> int:
+        return self.outputs
+
+    @property
+    def count_width(self) -> int:
+        """Bits of the number of results that have not left yet."""
+        return self.outputs.bit_length()
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            input_port("in_valid", "the results of a frame are there, for this clock"),
+            *group(input_port("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port("out_data", "result, in the order of the networks", self.fmt, "fmt"),
+            output_port("out_last", "the result is the last of the frame"),
+        )
+
+
+@dataclass(frozen=True)
+class Several(Network):
+    """Networks of one output each; see the subclasses.
+
+    networks: One per output, in the order of the outputs.
+    """
+
+    networks: tuple[Design, ...]
+
+    def _inputs_of(self, number: int) -> int:
+        """The number of inputs that network ``number`` must have."""
+        raise NotImplementedError
+
+    def __post_init__(self) -> None:
+        shapes = [(network.inputs, network.outputs) for network in self.networks]
+        expected = [(self._inputs_of(i), 1) for i in range(len(shapes))]
+        if len(shapes) < 2 or shapes != expected:
+            raise InputError(
+                f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected two or more: "
+                f"{expected}"
+            )
+
+    @property
+    def inputs(self) -> int:
+        return self.networks[0].inputs
+
+    @property
+    def outputs(self) -> int:
+        return len(self.networks)
+
+    @property
+    def members(self) -> tuple[Network, ...]:
+        return self.networks
+
+    @property
+    def output_collector(self) -> OutputCollector:
+        return OutputCollector(SIGNAL, self.outputs)
 
 
 @dataclass(frozen=True)

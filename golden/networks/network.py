@@ -13,9 +13,8 @@ from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.engine.ranges import Range
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax
-from golden.layers.argmax_tree import ArgmaxTree
-from golden.layers.frame_judge import FrameJudge
+from golden.layers.argmax import Argmax, ArgmaxTree
+from golden.layers.input_controller import FrameJudge
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
@@ -176,6 +175,42 @@ class Network(Block):
             stop = start + CHUNK
             results[start:stop] = self.compute(flat[start : stop + past])
         return results if past else results.reshape(*samples.shape[:-1], self.outputs)
+
+
+class Around(Network):
+    """A network around another one, whose outputs it gives."""
+
+    @property
+    def inside(self) -> Network:
+        """The network that it is around."""
+        raise NotImplementedError
+
+    @property
+    def inputs(self) -> int:
+        return self.inside.inputs
+
+    @property
+    def outputs(self) -> int:
+        return self.inside.outputs
+
+    @property
+    def past(self) -> int:
+        return self.inside.past
+
+    @property
+    def interval(self) -> int:
+        return self.inside.interval
+
+    @property
+    def input_controller(self) -> FrameJudge:
+        return self.inside.input_controller
+
+    @property
+    def core(self) -> Network:
+        return self.inside.core
+
+    def compute(self, frames: Codes) -> Codes:
+        return self.inside.compute(frames)
 
 
 def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:

@@ -3,21 +3,28 @@
 Nothing here is shared, folded or cut as it is in hardware, so the two can be compared.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
 
+from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block, walk
-from golden.engine import bounds as of_engine
 from golden.engine.integer_network import evaluate
 from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.weighted_sum import WeightedSum
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.bounds import activation_error, built_nodes, layered_bounds, two_layer_bounds
+from golden.networks.bounds import (
+    activation_error,
+    built_nodes,
+    engine_bounds,
+    layered_bounds,
+    two_layer_bounds,
+)
 from golden.networks.constants import Layer, quantised
 from golden.networks.design import Design
 from golden.networks.engine import Engine
-from golden.networks.exact import ExactLayers, ExactSum
 from golden.networks.hybrid import Hybrid
 from golden.networks.learning_engine import LearningEngine
 from golden.networks.parallel import Parallel
@@ -26,6 +33,56 @@ from golden.numbers.precision import Precision
 from golden.numbers.real import Real
 from golden.trained.dense import DenseNetwork, Trained
 from golden.trained.mlp import Mlp
+
+
+@dataclass(frozen=True)
+class ExactSum:
+    """One neuron's sum, computed in integers of unlimited width.
+
+    factor: Factor by which the sum is multiplied.
+    """
+
+    formats: WeightedSum
+    weights: Sequence[int]
+    bias: int
+    factor: int = 1
+
+    def process(self, frames: Codes) -> Codes:
+        """The neuron's result for every frame."""
+        results = (
+            exact_sum(self.formats, self.weights, self.bias, frame, self.factor)[1]
+            for frame in frames.tolist()
+        )
+        return np.array(list(results), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class ExactLayers:
+    """A network of two layers as sums and activations.
+
+    activations: One per hidden node.
+    """
+
+    hidden: list[ExactSum]
+    activations: tuple[ActivationBlock, ...]
+    outputs: list[ExactSum]
+
+    def process(self, frames: Codes) -> Codes:
+        """Output codes; activations are computed by parts, not read from tables of results."""
+        pairs = zip(self.hidden, self.activations, strict=True)
+        r = np.stack([activation.compute(one.process(frames)) for one, activation in pairs], axis=1)
+        return np.stack([one.process(r) for one in self.outputs], axis=1)
+
+
+def exact_sum(
+    formats: WeightedSum, weights: Sequence[int], bias: int, samples: Iterable[int], factor: int = 1
+) -> tuple[int, int]:
+    """The sum of a neuron, and its result, which is rounded half up and saturated."""
+    products = (w * x >> formats.product_shift for w, x in zip(weights, samples, strict=True))
+    total = (bias << formats.bias_shift) + sum(products)
+    shift = formats.out_shift
+    result = (total * factor + ((1 << shift) >> 1)) >> shift
+    return total, max(formats.out_fmt.low, min(formats.out_fmt.high, result))
 
 
 def designs_in(network: Block) -> list[Design]:
@@ -131,7 +188,7 @@ def _(
     sensors: int,
     met: Sequence[float] = (),
 ) -> Real:
-    return of_engine.error_bounds(mlp, design.program.segment_width, sensors, met)
+    return engine_bounds(mlp, design.program.segment_width, sensors, met)
 
 
 @error_bounds.register

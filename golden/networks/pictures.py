@@ -1,10 +1,10 @@
 """How data flow through the parts of a network, for the picture of the datapath."""
 
+from dataclasses import dataclass
 from functools import singledispatch
 
 from golden.activation.bipartite_table import RESULT
 from golden.common.block import Block
-from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
 from golden.engine.formats import WORD
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import TDATA, AxisNetwork
@@ -14,7 +14,55 @@ from golden.networks.hybrid import Hybrid
 from golden.networks.multiple import Multiple
 from golden.networks.parallel import Parallel
 from golden.networks.windowed import Windowed
+from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
+
+
+@dataclass(frozen=True)
+class Wire:
+    """The data that goes from one step to the next, with its format or its number of bits."""
+
+    what: str
+    form: Fix | int
+
+
+@dataclass(frozen=True)
+class Replicated:
+    """Blocks of one kind that work side by side and are drawn as one box."""
+
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class SideBySide:
+    """Blocks that work side by side and are drawn as separate boxes."""
+
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class WithController:
+    """A block through which data flows, and the block that controls it."""
+
+    controller: Block
+    block: Block
+
+
+# ``None`` is an arrow without a text.
+Step = Wire | Block | Replicated | SideBySide | WithController | None
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The steps of data through a block; parts that are no step are drawn below them.
+
+    across: Whether it is drawn from left to right; otherwise from top to bottom.
+    watcher: A part that observes the frames and is no part of the flow.
+    """
+
+    steps: tuple[Step, ...]
+    across: bool = False
+    watcher: Block | None = None
 
 
 @singledispatch

@@ -8,16 +8,13 @@ from typing import Any, Self
 import numpy as np
 
 from golden.common.block import Block
-from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.layers.input_controller import InputController
-from golden.networks.at_once import AtOnce
+from golden.networks.design import AtOnce, Settings
 from golden.networks.function_sums import MARGIN, FunctionSum, FunctionSums, beside, function_sums
 from golden.networks.left_out import left_out, of_useless_nodes
 from golden.networks.oracle import error_bounds, exact, hidden_weights
-from golden.networks.pictures import flow_of
-from golden.networks.settings import Settings
+from golden.networks.pictures import Flow, Wire, flow_of
 from golden.networks.small_tables import SmallTable, TablePart
 from golden.networks.table_sums import TOLERANCE, Grid, TableSum, table_sum
 from golden.numbers.fixed import Codes, Fix
@@ -59,14 +56,11 @@ class TableGraph(AtOnce):
     """
 
     block = "table_graph"
-    arrangements = together = ("single", "multiple")
-    precisions = (EXACT.name,)
     known_activations = (EXACT.activation,)
     activation_choices = False
     learned_functions = True
     coarse = True
     options = tuple(OPTIONS)
-    stream = "words"
     samples: int
     sample_bits: int
     first: tuple[SmallTable, ...]
@@ -144,22 +138,9 @@ class TableGraph(AtOnce):
         return Fix(self.sample_bits, self.sample_bits - 1)
 
     @property
-    def unreachable(self) -> dict[str, str]:
-        return {"frame_error=1": "a frame a clock is never too close"}
-
-    @property
-    def interval(self) -> int:
-        return self.min_interval
-
-    @property
     def latency(self) -> int:
         # The words of a table stand in registers.
         return 1 + self.hidden.latency + 1 + self.output.latency
-
-    @property
-    def input_controller(self) -> InputController:
-        """A frame is one element and always good, so no hardware decides about it."""
-        return InputController(1, 0)
 
     def parts(self) -> tuple[Block, ...]:
         return self.hidden, self.output, *([self.argmax] if self.argmax else [])

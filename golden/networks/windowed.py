@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
+from golden.networks.network import Around, Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.sensing.frame_window import FrameWindow
@@ -13,7 +13,7 @@ from golden.trained.window import Window
 
 
 @dataclass(frozen=True)
-class Windowed(Network):
+class Windowed(Around):
     """y = network(x now, x some frames before): a frame window in front of a network (ours).
 
     network: A network between two streams.
@@ -38,6 +38,10 @@ class Windowed(Network):
             )
 
     @property
+    def inside(self) -> Network:
+        return self.network
+
+    @property
     def frame_window(self) -> FrameWindow:
         slots = self.network.input_controller.inputs - self.network.inputs
         interval = self.network.interval
@@ -47,10 +51,6 @@ class Windowed(Network):
     @property
     def inputs(self) -> int:
         return len(self.window.delays)
-
-    @property
-    def outputs(self) -> int:
-        return self.network.outputs
 
     @property
     def past(self) -> int:
@@ -75,10 +75,6 @@ class Windowed(Network):
     def input_controller(self) -> InputController:
         """Judges frames as the frame window does. It is not built."""
         return self.frame_window.input_controller
-
-    @property
-    def core(self) -> Network:
-        return self.network.core
 
     def parts(self) -> tuple[Block, ...]:
         return (self.frame_window, self.network)

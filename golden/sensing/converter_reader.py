@@ -11,7 +11,7 @@ from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
-from golden.sensing.scan import COUNTER_WIDTHS, Scan
+from golden.sensing.scan_sequencer import COUNTER_WIDTHS, Scan
 
 
 @dataclass(frozen=True)

@@ -1,25 +1,25 @@
 """load_profile: computes equation 3.18 for one frame of network outputs, point by point."""
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.activation.rom import Rom
 from golden.common.block import Block
 from golden.common.border import Border, State
-from golden.common.port import CLOCKED, Port, input_port, output_port
+from golden.common.port import CLOCK, CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, cut, requantise
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
+from golden.numbers.transcendental import exp_floors
 from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
-from golden.visualisation.exp_interpolator import ExpInterpolator
-from golden.visualisation.exp_memory import ExpMemory, exp_memory
 from golden.visualisation.functions import power_load
 from golden.visualisation.power_fold import PowerFold
-from golden.visualisation.ramp import Ramp, ramp
 
 RECTANGLE, TRIANGLE = 6, 2  # P of either shape, section 5.8
 
@@ -38,6 +38,195 @@ ENDS = (("begins", "lowest"), ("ends", "highest"))
 DISTANCE_CLOCKS = 2
 # One clock for the product with the load, and one for the register of the point.
 END_CLOCKS = 2
+
+
+class ExpMemory(Rom):
+    """ROM of exp(-x), addressed by the upper bits of x (thesis section 5.8, Figure 5.25).
+
+    Unlike other ROMs it is read with a clock, because it is a block RAM.
+    """
+
+    block = "exp_memory"
+    part_of = "load_profile"
+    section = "5.8"
+    area = "visualisation"
+    port_meanings = ("upper bits of x", "exp(-x) in the middle of the interval")
+    latency = 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return CLOCK, *super().ports
+
+
+def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
+    """The memory of 2**addr_width words, each for an interval of 2**-interval_frac.
+
+    Word n is exp(-(n + 1/2) / 2**interval_frac), unsigned with ``width`` fraction bits, rounded to
+    nearest. It is below 1, so ``width`` bits hold it. 1024 words of 17 bits are one block RAM.
+    """
+    interval = Fraction(1, 1 << interval_frac)
+    floors = exp_floors(interval / 2, interval, 1 << addr_width, width + 1)
+    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width, width)
+
+
+@dataclass(frozen=True)
+class ExpInterpolator(Block):
+    """exp(-x) = word (1 - delta), in which the word of the memory is also the slope.
+
+    The word is exp(-x0) in the middle x0 of an interval, and delta = x - x0. The derivative of
+    exp(-x) at x0 is -exp(-x0), the negative of the word, so no second table is needed.
+
+    word_width: Bits of the word, all of them fraction bits, unsigned.
+    offset_width: Bits of x below the memory's address.
+    frac: Fraction bits of x.
+
+    The factor 1 - delta is exact and unsigned, with ``factor_width`` bits. The product is truncated
+    to the word's format. The straight line lies 0 to delta**2 / 2 below exp(-x), at most 2**-15 for
+    an interval of 2**-6; truncation adds an error of 1 LSB of the word. The result is below 1.
+    """
+
+    block = "exp_interpolator"
+    part_of = "load_profile"
+    area = "visualisation"
+    latency = 2
+    word_width: int
+    offset_width: int
+    frac: int
+
+    @property
+    def factor_width(self) -> int:
+        """Bits of the unsigned 1 - delta, which is at most slightly more than 1."""
+        return self.frac + 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        word = Unsigned(self.word_width, self.word_width)
+        return (
+            *CLOCKED,
+            input_port("in_valid", "word and offset are there, for this clock"),
+            input_port("in_word", "exp(-x0)", word, "word_width"),
+            input_port(
+                "in_offset",
+                "lower bits of x",
+                Unsigned(self.offset_width, self.frac),
+                "offset_width",
+            ),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port("out_data", "exp(-x)", word, "word_width"),
+        )
+
+    def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
+        """exp(-x) in the word's format; the arguments are broadcast."""
+        w = check_unsigned(word, self.word_width, "exp_interpolator word")
+        low = check_unsigned(offset, self.offset_width, "exp_interpolator offset")
+        # The factor is 1 - delta, with delta = offset - half an interval.
+        factor = (1 << self.frac) + (1 << (self.offset_width - 1)) - low
+        return (w * factor) >> self.frac
+
+
+# The ramp's constants stay below 2**30, from where on MyHDL converts them wrongly.
+ACC_LIMIT = 30
+
+
+@dataclass(frozen=True)
+class Ramp(Block):
+    """A counter times a constant (section 5.8, Figure 5.25): i_p = start + n step, n = 0, 1, ...
+
+    The hardware needs no multiplier, because an accumulator adds ``step`` for each position.
+
+    fmt: Format of the positions.
+    start, step: First position and increment, with ``guard`` fraction bits more than ``fmt``.
+    points: Number of positions, including the first.
+
+    The accumulator is exact and has ``acc_width`` bits. Each position is rounded to nearest, halves
+    up. A step that no code holds exactly, such as 0.05, causes an error of half of the guard's last
+    place times the number of points. ``ramp`` chooses a guard so large that no position is more
+    than 0.51 LSB off.
+    """
+
+    block = "ramp"
+    part_of = "load_profile"
+    section = "5.8"
+    area = "visualisation"
+    latency = 1
+    fmt: Fix
+    start: int
+    step: int
+    guard: int
+    points: int
+
+    def __post_init__(self) -> None:
+        if self.points < 1 or self.step < 1 or self.guard < 1:
+            raise InputError(
+                f"ramp: got {self.points} points, step={self.step}, guard={self.guard}, "
+                "expected 1 or more of each"
+            )
+        if self.acc_width > ACC_LIMIT:
+            raise InputError(
+                f"ramp: {self.points} points with guard={self.guard} need {self.acc_width} bits, "
+                f"expected at most {ACC_LIMIT}"
+            )
+        positions = self.process()
+        first, last = int(positions[0]), int(positions[-1])
+        if first < self.fmt.low or last > self.fmt.high:
+            raise InputError(
+                f"ramp: the first position is {first}, expected at least {self.fmt.low}; "
+                f"the last position is {last}, expected at most {self.fmt.high}"
+            )
+
+    @property
+    def acc_low(self) -> int:
+        """The accumulator at the first position, including the half unit for rounding."""
+        return self.start + (1 << (self.guard - 1))
+
+    @property
+    def acc_high(self) -> int:
+        """The accumulator at the last position, including the half unit for rounding."""
+        return self.acc_low + (self.points - 1) * self.step
+
+    @property
+    def acc_width(self) -> int:
+        """Bits of the signed accumulator: those of a position in ``fmt``, and the guard."""
+        return self.fmt.width + self.guard
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            input_port("in_valid", "the next position is requested"),
+            output_port("out_valid", "`out_data` holds a new position"),
+            output_port("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
+            output_port("out_last", "the position is the last of the ramp; held as long as it"),
+        )
+
+    def process(self) -> Codes:
+        """Codes of all positions in rising order, shape (points,)."""
+        acc = self.acc_low + np.arange(self.points, dtype=np.int64) * self.step
+        return acc >> self.guard
+
+
+def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
+    """The ramp from ``start`` to ``stop`` in steps of ``step``."""
+    for name, value, least in (
+        ("start", start, -math.inf),
+        ("stop", stop, start),
+        ("step", step, 0),
+    ):
+        if not least < value < math.inf:
+            expected = f"a number above {least:g}" if least > -math.inf else "a finite number"
+            raise InputError(f"ramp: {name}={value}, expected {expected}")
+    # Decimal fractions are taken as written, because 0.8 is sixteen times 0.05 only in decimal.
+    first, increment = Fraction(str(start)), Fraction(str(step))
+    count = (Fraction(str(stop)) - first) / increment
+    if count.denominator != 1 or step * 2**fmt.frac <= 0.5:
+        raise InputError(
+            f"ramp: {start:g} to {stop:g} in steps of {step:g}, expected a whole number of steps, "
+            f"each more than half an LSB of {fmt}"
+        )
+    points = int(count) + 1
+    guard = points.bit_length() + 6
+    unit = 2 ** (fmt.frac + guard)
+    return Ramp(fmt, round(first * unit), round(increment * unit), guard, points)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from myhdl import Signal, always, always_comb, block, concat, modbv
 
+from golden.engine.datapath import LaneAccumulate
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH, WORD
-from golden.engine.lane_accumulate import LaneAccumulate
 from hdl.common.delay import connect, delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 

@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block, concat
 
+from golden.engine.datapath import LaneRound
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH, WORD
-from golden.engine.lane_round import LaneRound
 from hdl.common.delay import connect
 from hdl.common.signals import fixed, flag, unsigned
 

@@ -2,8 +2,8 @@
 
 from myhdl import Signal, always, always_comb, block, modbv
 
+from golden.engine.datapath import MultiplyAccumulate
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH, WORD
-from golden.engine.multiply_accumulate import MultiplyAccumulate
 from hdl.common.delay import connect
 from hdl.common.signals import fixed, flag, signed, unsigned
 

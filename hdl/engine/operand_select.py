@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block, concat
 
+from golden.engine.datapath import OperandSelect
 from golden.engine.formats import DROPPED, WIDTH, WORD
-from golden.engine.operand_select import OperandSelect
 from hdl.common.delay import delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 

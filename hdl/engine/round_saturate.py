@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block
 
+from golden.engine.datapath import RoundSaturate
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH, WORD
-from golden.engine.round_saturate import RoundSaturate
 from hdl.common.signals import fixed, flag, unsigned
 
 

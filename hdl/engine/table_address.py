@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block
 
+from golden.engine.datapath import TableAddress
 from golden.engine.formats import HIDDEN
-from golden.engine.table_address import TableAddress
 from hdl.common.signals import unsigned
 
 

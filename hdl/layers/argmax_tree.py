@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, block
 
-from golden.layers.argmax_tree import ArgmaxTree
+from golden.layers.argmax import ArgmaxTree
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 

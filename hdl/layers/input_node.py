@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, block
 
-from golden.layers.input_node import InputNode
+from golden.layers.input_integral import InputNode
 from golden.numbers.fixed import Rounding
 from hdl.common.requantise import requantise
 from hdl.common.signals import fixed, signed

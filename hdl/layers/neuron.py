@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block
 
-from golden.layers.neuron import Neuron
 from golden.layers.weighted_sum import tree_depth
+from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Rounding
 from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import connect, delay

@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, always_seq, block
 
-from golden.layers.output_collector import OutputCollector
+from golden.networks.multiple import OutputCollector
 from hdl.common.signals import Stream, Words, fixed, unsigned
 
 

@@ -2,8 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat
 
-from golden.link.uart_receiver import UartReceiver
-from golden.link.uart_transmitter import BYTE_BITS
+from golden.link.uart import BYTE_BITS, UartReceiver
 from hdl.common.signals import Stream, flag, unsigned
 
 

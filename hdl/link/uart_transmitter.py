@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always_comb, always_seq, block, concat, intbv
 
-from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
+from golden.link.uart import BYTE_BITS, UartTransmitter
 from hdl.common.signals import Stream, flag, unsigned
 
 

@@ -12,8 +12,8 @@ from golden.engine.fields import (
     STORE,
 )
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
+from golden.learning.corrected import SHORT
 from golden.learning.program import PRODUCT
-from golden.learning.unit import SHORT
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.precision import SIGNAL
 from hdl.common.delay import delay

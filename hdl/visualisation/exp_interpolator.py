@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, block
 
-from golden.visualisation.exp_interpolator import ExpInterpolator
+from golden.visualisation.load_profile import ExpInterpolator
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, unsigned
 

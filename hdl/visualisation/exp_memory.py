@@ -2,7 +2,7 @@
 
 from myhdl import block
 
-from golden.visualisation.exp_memory import ExpMemory
+from golden.visualisation.load_profile import ExpMemory
 from hdl.common.rom import registered_rom
 
 

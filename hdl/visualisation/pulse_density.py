@@ -2,7 +2,7 @@
 
 from myhdl import always_comb, always_seq, block
 
-from golden.visualisation.pulse_density import PulseDensity
+from golden.instruments.uart_instrument import PulseDensity
 from hdl.common.signals import flag, unsigned
 
 

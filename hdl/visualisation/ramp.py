@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv
 
-from golden.visualisation.ramp import Ramp
+from golden.visualisation.load_profile import Ramp
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, signed
 

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.learning.corrected import Corrected
-from golden.learning.gradient import Gradient, constants
-from golden.learning.lesson import Lesson
-from golden.learning.unit import Unit
+from golden.learning.gradient import Gradient, Lesson, constants
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -187,7 +185,7 @@ def learned(drawn: Draws) -> Real:
     known = SIGNAL.quantise(drawn.vectors.targets)[0][drawn.shown]
     targets = np.repeat(known[np.newaxis], len(drawn.noisy), axis=0)
     lesson = Lesson(SIGNAL.quantise(drawn.noisy)[0], targets)
-    theta = Gradient(networks, steps).learn(lesson, PASSES, Unit(len(targets)))
+    theta, _ = Gradient(networks, steps).learn(lesson, PASSES)
     return drawn.worst(
         [
             networks.process(np.broadcast_to(one, (len(rows), len(one))), rows)

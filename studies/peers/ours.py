@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import MissingFileError
-from golden.networks.design import Design
+from golden.networks.design import Design, Settings
 from golden.networks.designs import DESIGNS
-from golden.networks.settings import Settings
 from golden.networks.table_graph import TableGraph
 from studies.peers.cells import in_one_piece
 from studies.peers.comparison import BEANS, FEW, WINE, Row, Task

@@ -10,9 +10,7 @@ from golden.activation import polynomial, segments
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
 from golden.learning.corrected import THETA
-from golden.learning.gradient import STEP, Gradient
-from golden.learning.lesson import ERROR, ROW, Equation
-from golden.learning.unit import Unit
+from golden.learning.gradient import ERROR, ROW, STEP, Equation, Gradient
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -230,10 +228,10 @@ def learning() -> Iterator[Row]:
         [[constant[0], 0]]
     )  # without a leak, which would lead away from what is sought
     rule = Gradient(nobody, alone, given)
-    unit, theta = Unit(1), np.zeros((1, 8), dtype=np.int64)
+    theta = np.zeros((1, 8), dtype=np.int64)
     away, grown = [float(np.linalg.norm(aim))], 0.0
     for _ in range(LEARNED * len(rows)):
-        theta = rule.step(nobody, theta, 0, 0, unit)
+        theta, _ = rule.step(nobody, theta, 0, 0)
         away.append(float(np.linalg.norm(THETA.to_real(theta[0]) - aim)))
         grown = max(grown, away[-1] - away[-2])
     values = np.linalg.svd(real, compute_uv=False)

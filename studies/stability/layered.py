@@ -5,13 +5,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import IntegerLayer, sample_words
 from golden.engine.ranges import hidden_peaks
+from golden.networks.bounds import engine_bounds
+from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, signed_width
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -140,7 +140,7 @@ def _judged(
     yield Row(MODEL, case, EQUAL, "codes off", largest(found - exact(engine, frames)), 0)
     real = network.process(SIGNAL.to_real(frames))
     errors = SIGNAL.to_real(found) - np.clip(real, *SIGNAL.to_real([LOW, HIGH]))
-    bounds = error_bounds(network, SEGMENT_WIDTH, network.shape[0], met)
+    bounds = engine_bounds(network, SEGMENT_WIDTH, network.shape[0], met)
     worst: Real = np.abs(errors).max(axis=0)
     place = int(np.argmax(worst / bounds))
     error, bound = (2**SIGNAL.frac * float(values[place]) for values in (worst, bounds))

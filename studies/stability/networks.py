@@ -11,15 +11,14 @@ from golden.activation.schemes import SCHEMES
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
-from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import seen
 from golden.networks.constants import constants_of
-from golden.networks.design import Design
+from golden.networks.design import Design, Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
-from golden.networks.exact import exact_sum
-from golden.networks.settings import Settings
+from golden.networks.oracle import exact_sum
+from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
 from golden.trained.dense import packed, unpacked

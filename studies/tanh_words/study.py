@@ -5,8 +5,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from golden.engine.bounds import tanh_codes
 from golden.engine.formats import HIDDEN, RESULT
+from golden.engine.function_table import table_results
 from golden.engine.tanh_table import ENDS, fitted
 from golden.numbers.precision import SIGNAL
 from golden.numbers.transcendental import tanh_floors
@@ -29,11 +29,13 @@ def rows() -> Iterator[dict[str, Cell]]:
     drop = RESULT.frac - SIGNAL.frac
     for width in WIDTHS:
         for end in TABLE_ENDS:
-            found = tanh_codes(fitted(width, end), q)
+            table = fitted(width, end)
+            lines = np.array(table.intercepts), np.array(table.slopes)
+            found = table_results(width, False, lines, q)
             largest = np.abs((found << (FRAC - RESULT.frac)) - exact).max() / unit
             rounded = np.minimum((found + (1 << (drop - 1))) >> drop, SIGNAL.high)
             wrong = 100 * float(np.mean(rounded != nearest))
-            words = len(fitted(width, end).slopes)
+            words = len(table.slopes)
             chosen = "yes" if ENDS.get(width) == end else "no"
             yield {
                 "segment width": width,

@@ -19,7 +19,7 @@ from jinja2 import Template
 from golden.common.port import Port
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.uart_instrument import UartInstrument
-from golden.link.uart_transmitter import BYTE_BITS
+from golden.link.uart import BYTE_BITS
 from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes

@@ -16,7 +16,7 @@ import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from golden.link.uart_transmitter import bits_of
+from golden.link.uart import bits_of
 from golden.numbers.fixed import Codes
 from tb.sensing.spi_converter import RELEASED, SHEETS, Sheet
 

@@ -15,9 +15,9 @@ from golden.instruments.uart_instrument import UartInstrument
 from golden.learning.corrected import Corrected
 from golden.learning.gradient import constants
 from golden.networks.arrangement import arrange
-from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
+from golden.networks.design import AtOnce
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
-from golden.link.uart_transmitter import LEAST_DIVISOR
+from golden.link.uart import LEAST_DIVISOR
 from golden.networks.network import Network
 from golden.numbers.precision import SIGNAL
 from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
-from golden.sensing.scan import MOST_SCAN_CLOCKS
-from golden.sensing.scan_sequencer import ScanSequencer
+from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
 from golden.trained.window import Window
 from tactus.core.schema import Key, KeyTable, Number, Span, Text, Whole
 from tactus.scene.scale import LARGEST

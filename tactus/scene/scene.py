@@ -15,12 +15,11 @@ from golden.activation.schemes import SCHEMES
 from golden.engine.ranges import function_input_ranges, hidden_peaks
 from golden.input_error import InputError, naming
 from golden.networks.arrangement import process_real
-from golden.networks.design import Design
+from golden.networks.design import Design, Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision
 from golden.numbers.real import Real

@@ -12,9 +12,9 @@ import numpy as np
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.networks.arrangement import arrange, process_real
+from golden.networks.design import Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
 from golden.trained.dense import Trained

@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.layers.input_integral import InputIntegral
-from golden.layers.input_node import InputNode
-from golden.layers.neuron import Neuron
+from golden.layers.input_integral import InputIntegral, InputNode
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.shift_add import Constant, Sum
+from golden.networks.parallel import Neuron
 from tactus.sizing.exact import in_logic
 
 # Numbers by name. Those on which both kinds of cells depend: how many nodes have an activation, and

@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from golden.layers.frame_judge import FrameScan
-from golden.layers.input_controller import InputController
+from golden.layers.input_controller import FrameScan, InputController
 from tb.common.bench import Recording
 
 LEAST_FRAMES = 30

@@ -6,7 +6,7 @@ profile. At the end stand those of the line's receiver and transmitter, and of
 the pulse density.
 """
 
-from golden.link.uart_transmitter import BYTE_BITS
+from golden.link.uart import BYTE_BITS
 from tb.common.properties import Property
 from tb.common.watch import busy_of, since
 from tb.instruments import tb_converter_instrument

