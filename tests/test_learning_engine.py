@@ -208,7 +208,7 @@ def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
     program, most = twin.program, 0
     for part in program.parts:
         total = 0
-        for step in program.steps(part):
+        for step in program.steps[part]:
             if not step.real:
                 continue
             largest = abs(step.weight) << (WIDTH - 1)

@@ -17,7 +17,7 @@ from golden.activation.bipartite_table import (
     BipartiteTable,
     bipartite_table,
 )
-from golden.activation.scheme import Option, Scheme
+from golden.activation.scheme import Option, Scheme, require_exact
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, Precision
@@ -172,12 +172,7 @@ class Bipartite(ActivationBlock):
 
 def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = MEMORY) -> Bipartite:
     """The bipartite activation for a neuron whose magnitudes go up to ``reach``."""
-    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
-        raise InputError(
-            f"activation bipartite: got q in {precision.hidden_fmt}, normalised by {factor}, of "
-            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
-            f"{EXACT.name!r}"
-        )
+    require_exact("bipartite", precision, factor)
     top = min(reach, precision.hidden_fmt.high)
     reach_width = max(top.bit_length(), FORMATS[memory].group_width + 1)
     return Bipartite(

@@ -18,7 +18,6 @@ from golden.numbers.precision import SIGNAL, Precision
 class Gradient(OddActivation):
     """r = tanh(Q qbar), approximated by straight segments (thesis section 5.4.3, Figure 5.10).
 
-    in_fmt, out_fmt: Formats of qbar and r.
     table: Constants of the segments that the neuron can reach.
     intercept_width, intercept_frac: Format of the intercept words, unsigned.
     rounding: How GRAD_EQN drops the last bits.

@@ -41,7 +41,6 @@ class Lut(Compared):
     Word n holds tanh(3.5 n / 128) and stands for 3.5 n / 128 <= q < 3.5 (n + 1) / 128; from 3.5 on
     the result is 1 - 2**-frac.
 
-    in_fmt, out_fmt: Formats of qbar and r.
     words: Codes of ``out_fmt``, as many as the neuron can reach.
     scale, scale_shift: The address of magnitude code m is floor(m * scale / 2**scale_shift).
     thresholds: The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.

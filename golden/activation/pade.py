@@ -132,7 +132,6 @@ class Pade(Compared):
     d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, which takes one
     clock per step on one multiplier. Beyond ``|q| = 3.3`` the result is 1 - 2**-frac.
 
-    in_fmt, out_fmt: Formats of qbar and r.
     factor: Q. The magnitude is multiplied by it first, so nothing later depends on Q.
     thresholds: The last magnitude code that is not above 3.3, where the neuron can exceed it;
         otherwise empty.

@@ -59,7 +59,6 @@ class Polynomial(Compared):
     It computes (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28. From 3.5
     on the result is 1 - 2**-frac.
 
-    in_fmt, out_fmt: Formats of qbar and r.
     thresholds: Last magnitude code of each quadratic; one that the neuron cannot exceed is left
         out.
     coeffs: A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.

@@ -6,7 +6,7 @@ import numpy as np
 
 from golden.activation.odd_activation import OddActivation
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
-from golden.activation.scheme import Option, Scheme
+from golden.activation.scheme import Option, Scheme, require_exact
 from golden.common.block import Block
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
@@ -105,12 +105,7 @@ def precise_for(
     precision: Precision, factor: int, reach: int, coefficients: str = COEFFICIENTS
 ) -> Precise:
     """The precise activation for a neuron whose magnitudes go up to ``reach``."""
-    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
-        raise InputError(
-            f"activation precise: got q in {precision.hidden_fmt}, normalised by {factor}, of "
-            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
-            f"{EXACT.name!r}"
-        )
+    require_exact("precise", precision, factor)
     fmt = FORMATS[coefficients]
     most = len(curve_table(fmt).intercepts)
     reached = min(reach, precision.hidden_fmt.high) // (1 << fmt.distance_width) + 1

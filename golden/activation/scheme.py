@@ -10,7 +10,7 @@ from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
 from golden.input_error import InputError, suggest
-from golden.numbers.precision import PRECISIONS, Precision
+from golden.numbers.precision import EXACT, PRECISIONS, Precision
 from golden.trained.mlp import Activation
 
 
@@ -82,3 +82,13 @@ class Scheme:
         concerned = {name: value for name, value in chosen.items() if self.options[name].real}
         real = partial(self.real, **concerned) if concerned else self.real
         return replace(self, real=real, build=partial(self.build, **chosen))
+
+
+def require_exact(name: str, precision: Precision, factor: int) -> None:
+    """Refuse sums for which an activation of the exact precision is not made."""
+    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
+        raise InputError(
+            f"activation {name}: got q in {precision.hidden_fmt}, normalised by {factor}, of "
+            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
+            f"{EXACT.name!r}"
+        )

@@ -8,6 +8,7 @@ from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_
 from golden.engine.formats import HIDDEN, PRODUCT_WIDTH, WIDTH, WORD
 from golden.engine.lane_groups import partners
 from golden.engine.lane_program import FIELDS
+from golden.engine.program_memory import later
 from golden.input_error import InputError
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
@@ -38,11 +39,7 @@ class OperandMemory(Block):
             input_port("write_addr", "address of the write", addr, "addr_width"),
             input_port("data", "a sample or a result, whose format is that of its neuron", WORD),
             input_port("read_addr", "address of the read", addr, "addr_width"),
-            output_port(
-                "word",
-                f"the word at `read_addr`, {self.latency} clock{'s' * (self.latency > 1)} later",
-                WORD,
-            ),
+            output_port("word", f"the word at `read_addr`, {later(self.latency)}", WORD),
         )
 
     @property
@@ -251,11 +248,6 @@ class TableAddress(Block):
     latency = 1
     segment_width: int
     segments: int
-
-    def __post_init__(self) -> None:
-        most = 1 << (HIDDEN.width - 1 - self.segment_width)
-        if not 1 <= self.segments <= most:
-            raise InputError(f"{self.entity}: got segments={self.segments}, expected 1 to {most}")
 
     @property
     def addr_width(self) -> int:

@@ -16,7 +16,6 @@ from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 class InputNode(WeightedSum):
     """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
 
-    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
     acc_width: Bits of the accumulator. The block that supplies the weights ensures that every
         partial sum fits.
 
@@ -80,7 +79,6 @@ class InputNode(WeightedSum):
 class InputIntegral(WeightedSum):
     """q_j = b_j + sum_k w_jk x_k for every hidden node j (thesis section 5.4.5.1).
 
-    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
     weights: One row of codes of ``coeff_fmt`` per hidden node, in the order of the samples.
     biases: Codes of ``coeff_fmt``, one per hidden node.
 

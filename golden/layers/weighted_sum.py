@@ -165,7 +165,6 @@ def tree_depth(terms: int) -> int:
 class NodeSum(WeightedSum):
     """The sum b + sum_k w_k x_k of one neuron.
 
-    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
     weights: Codes of ``coeff_fmt``, in the order of the samples.
     bias: Code of ``coeff_fmt``.
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count
+from typing import ClassVar
 
 import numpy as np
 
@@ -124,10 +125,7 @@ class LessonProgram:
     starts: tuple[int, ...]
     notes: tuple[str, ...]
     acc_width: int
-
-    @property
-    def pipeline(self) -> Pipeline:
-        return LessonPipeline()
+    pipeline: ClassVar[Pipeline] = LessonPipeline()
 
     @property
     def parts(self) -> range:
@@ -189,7 +187,7 @@ class LessonProgram:
         def read(address: int) -> Codes:
             return np.asarray(memory[self.places.mapped(address, bank, number)])
 
-        for step in self.steps(part):
+        for step in self.steps[part]:
             if step.places >= 0:
                 place = step.places
             if not step.real:
@@ -215,12 +213,9 @@ class LessonProgram:
                 yield StoredSum(place, acc, found, fits, step.leaves)
                 place = self._after(place)
 
-    def steps(self, part: int) -> list[Decoded]:
-        """The steps of a part, gathered from the words that hold their fields."""
-        return self._steps[part]
-
     @cached_property
-    def _steps(self) -> list[list[Decoded]]:
+    def steps(self) -> list[list[Decoded]]:
+        """The steps of each part, gathered from the words that hold their fields."""
         return [list(self._decoded(part)) for part in self.parts]
 
     def _decoded(self, part: int) -> Iterator[Decoded]:
@@ -293,19 +288,16 @@ class _Parts:
 
     taught: Corrected
     graph: Graph
-
-    @property
-    def pipeline(self) -> Pipeline:
-        return LessonPipeline()
+    pipeline: ClassVar[Pipeline] = LessonPipeline()
 
     def frame(self, places: Places) -> list[Slot]:
         """Theta of 0 for one bank, the corrected samples, and the networks."""
         sensors, unknowns = self.taught.sensors, places.unknowns
         names = [f"sample {k}" for k in range(sensors)] + [f"theta {k}" for k in range(unknowns)]
-        zero = Slot(Kind.ONE, 0, 0, first=True, store=True)
+        zeros = (f"theta {k} of one bank = 0" for k in range(unknowns))
         found = [
             going_to(places.theta),
-            *(_named(zero, f"theta {k} of one bank = 0") for k in range(unknowns)),
+            *(Slot(Kind.ONE, 0, 0, first=True, store=True, note=note) for note in zeros),
         ]
         # The first results behind theta go to address 0.
         before = graph_of_sums(list(steps.corrected(self.taught)), names)
@@ -324,17 +316,14 @@ class _Parts:
         """The samples of the last frame, and the known outputs, behind each other."""
         found = [going_to(places.placement)]
         for k in range(self.taught.sensors):
-            text = f"placement: sample {k}, done"
-            copy = Slot(Kind.WORD, places.samples + k, 1 << DROPPED, first=True, store=True)
-            found.append(_named(copy, text))
+            source, note = places.samples + k, f"placement: sample {k}, done"
+            found.append(Slot(Kind.WORD, source, 1 << DROPPED, first=True, store=True, note=note))
         # A known output comes in as a sample does.
         weight = 1 << (DROPPED + OUTPUT_SHIFT - SAMPLE_SHIFT)
         for k in range(self.taught.outputs):
             # The sum of an output begins with half a unit of one, which a known output has too.
-            known = Slot(
-                Kind.WORD, places.targets + k, weight, first=True, of_output=True, store=True
-            )
-            found.append(_named(known, f"placement: known {k}, done"))
+            known = Slot(Kind.WORD, places.targets + k, weight, first=True, of_output=True)
+            found.append(replace(known, store=True, note=f"placement: known {k}, done"))
         return found
 
     def equation(self, places: Places, sums: Sequence[steps.Sum]) -> list[Slot]:
@@ -397,10 +386,6 @@ class _Parts:
             what, k = name.split()
             found[number] = bases[what] + int(k)
         return found
-
-
-def _named(slot: Slot, note: str) -> Slot:
-    return replace(slot, note=note)
 
 
 def _results(graph: Graph, done: Sequence[Step]) -> dict[int, int]:

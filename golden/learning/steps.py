@@ -16,20 +16,16 @@ Samples and known outputs lie where the sequencer of placements points. The step
 one after the other, are one pass over one placement.
 """
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 from golden.engine.formats import DROPPED, WIDTH
-from golden.engine.integer_network import line_at
-from golden.learning.corrected import SHORT, Corrected
-from golden.learning.gradient import Lesson, row_weights
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import row_weights
 from golden.numbers.fixed import Fix
-from golden.trained.function import TANH
 
 _WORD = Fix(WIDTH, 0)
-_HALF = 1 << (DROPPED - 1)
 
 
 class Kind(Enum):
@@ -149,53 +145,3 @@ def _new_theta(taught: Corrected, leak: int = 0) -> Iterator[Sum]:
     for k in range(2 * taught.sensors):
         kept = by(f"theta {k}", (1 << DROPPED) - leak)
         yield Sum(f"new theta {k}", (kept, times("step", f"row {k}")))
-
-
-def counted(program: Sequence[Sequence[Sum]]) -> Counter[Kind]:
-    """How many steps of each kind a pass over one placement takes."""
-    return Counter(term.kind for sums in program for one in sums for term in one.terms)
-
-
-@dataclass
-class Run:
-    """A program that runs, on one drift.
-
-    flags: How many steps were not taken.
-    """
-
-    taught: Corrected
-    program: list[list[Sum]]
-    theta: list[int]
-    flags: int = 0
-
-    def show(self, lesson: Lesson, placement: int) -> None:
-        """One pass over one placement of the first drift of a lesson."""
-        memory = {f"sample {k}": int(x) for k, x in enumerate(lesson.words(placement)[0])}
-        memory |= {f"known {k}": int(y) for k, y in enumerate(lesson.known(placement)[0])}
-        for sums in self.program:
-            memory |= {f"theta {k}": word for k, word in enumerate(self.theta)}
-            fits = True
-            for one in sums:
-                kept = self._kept(one, memory)
-                memory[one.name] = max(_WORD.low, min(_WORD.high, kept))
-                fits = fits and (memory[one.name] == kept or not one.name.startswith("new theta"))
-            if fits:
-                self.theta = [memory[f"new theta {k}"] for k in range(len(self.theta))]
-            self.flags += not fits
-
-    def _kept(self, one: Sum, memory: dict[str, int]) -> int:
-        """The word of a sum before it is saturated."""
-        first = one.terms[0]
-        if first.kind is Kind.LOOK_UP:
-            width = self.taught.networks[0].segment_width
-            return (line_at(TANH, width, memory[first.source]) + _HALF) >> DROPPED
-        begun = _HALF if one.rounded else 0
-        return (sum(_product(term, memory) for term in one.terms) + begun) >> DROPPED
-
-
-def _product(term: Term, memory: dict[str, int]) -> int:
-    if term.kind is Kind.ONE:
-        return term.weight << DROPPED
-    if term.kind is Kind.PRODUCT:
-        return memory[term.source] * (memory[term.second] >> SHORT)
-    return memory[term.source] * term.weight

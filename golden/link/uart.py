@@ -7,18 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
 # A byte has a start bit, eight bits from the lowest on, and a stop bit.
 BYTE_BITS = 10
+# A receiver needs as many clocks of a bit to find its middle.
 LEAST_DIVISOR = 4
-
-
-def check_divisor(entity: str, divisor: int) -> None:
-    """Refuse a bit of fewer clocks than a receiver needs to find its middle."""
-    if divisor < LEAST_DIVISOR:
-        raise InputError(f"{entity}: got divisor={divisor}, expected {LEAST_DIVISOR} or more")
 
 
 def bits_of(byte: int) -> tuple[int, ...]:
@@ -39,9 +33,6 @@ class UartTransmitter(Block):
     # Clocks from the clock in which a byte is accepted to its start bit.
     latency = 1
     divisor: int
-
-    def __post_init__(self) -> None:
-        check_divisor(self.entity, self.divisor)
 
     ports = (
         *CLOCKED,
@@ -109,9 +100,6 @@ class UartReceiver(Block):
     # Number of registers that the line passes first.
     synchroniser = 2
     divisor: int
-
-    def __post_init__(self) -> None:
-        check_divisor(self.entity, self.divisor)
 
     ports = (
         *CLOCKED,

@@ -30,10 +30,6 @@ class OutputCollector(Block):
     fmt: Fix
     outputs: int
 
-    def __post_init__(self) -> None:
-        if self.outputs < 1:
-            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
-
     @property
     def interval(self) -> int:
         return self.outputs

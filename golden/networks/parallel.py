@@ -23,7 +23,6 @@ from golden.trained.dense import Trained
 class Neuron(NodeSum):
     """(b + sum_k w_k x_k) Y, with a multiplier for every weight (thesis section 5.2.1).
 
-    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias: See ``NodeSum``.
     factor: De-normalisation Y_i of an output (equation 4.17). With None its multiplier is left out.
 
     The sum and its product with the factor are exact. The result is rounded half up and saturated

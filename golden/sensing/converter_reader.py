@@ -140,7 +140,11 @@ class ConverterReader(Scan):
             output_port("out_valid", "`out_data` holds a new sample"),
             output_port("out_data", "sample, held until the next one", self.fmt, "fmt"),
             output_port("out_last", "the sample is the last of the frame"),
-            error_port(),
+            output_port(
+                "converter_error",
+                "high from a transfer that no converter can have sent to the first scan without "
+                "one; a scan with such a transfer gives no frame",
+            ),
         )
 
     @property
@@ -200,12 +204,3 @@ class ConverterReader(Scan):
             again = sent[..., part.last : part.last + part.bits]
             right = right & (again == code[..., ::-1]).all(axis=-1)
         return code @ (1 << np.arange(part.bits)[::-1]), right
-
-
-def error_port() -> Port:
-    """The port for a converter that is missing or stuck."""
-    return output_port(
-        "converter_error",
-        "high from a transfer that no converter can have sent to the first scan without one; a "
-        "scan with such a transfer gives no frame",
-    )

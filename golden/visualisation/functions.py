@@ -86,8 +86,6 @@ def harmonic_limit(
     sin(m pi x) / (m pi) is the sawtooth (1 - x) / 2 for 0 < x < 2, 0 at x = 0, of period 2. So the
     limit is d times four sawtooths, at w + (i_p - i_m), w - (i_p - i_m), w + (i_p + i_m) and
     w - (i_p + i_m): the pulse, and its mirror images at both ends of the beam.
-
-    position, load, centre, half_width: See ``harmonic_load``, which also raises the same errors.
     """
     p, d, c, w = _sum_domain(position, load, centre, half_width)
     x = np.remainder(_phases(p, c, w), 2)
@@ -108,9 +106,6 @@ def harmonic_tail(
     ``1 / ((P + 1) |sin(theta / 2)|)``, and partial sums and limit lie between 0 and
     the Wilbraham-Gibbs constant 1.852 on either side of 0, so the tail never exceeds that. At a
     jump (theta = 0) every term is 0, and so is the bound.
-
-    position, load, centre, half_width, terms: See ``harmonic_load``, which also raises the same
-        errors.
     """
     if terms < 1:
         raise InputError(f"terms: got {terms}, expected 1 or more")
