@@ -265,9 +265,7 @@ MAT = {
     "two networks": (mat({"a": COLUMNS, "b": COLUMNS}), "got 2 networks among the variables a, b"),
     "a field is missing": (netlab(w2=None), "got 0 networks among the variables net"),
     "transposed": (netlab(w1=MLP.w1), "w1: got shape (5, 3), expected (3, 5) of .*; it is transp"),
-    "complex": (netlab(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
     "sparse": (netlab(w1=csc_matrix(MLP.w1.T)), "w1: got object, expected real numbers"),
-    "NaN": (netlab(b2=[[np.nan, 1]]), "b2: got NaN or infinity, expected finite numbers"),
 }
 ONNX = {
     "empty": (b"", "got 0 inputs and 0 outputs, expected a graph with one of each"),
@@ -295,8 +293,6 @@ ONNX = {
         onnx_file(w1=helper.make_tensor("w1", TensorProto.STRING, [3, 5], [b"a"] * 15)),
         "w1: got object, expected real numbers",
     ),
-    "complex": (onnx_file(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "NaN": (onnx_file(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
 }
 TABLE = [
     pytest.param(form, content, message, id=f"{form}-{name}".replace(" ", "_"))

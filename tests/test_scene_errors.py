@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
+from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
 from tactus.cli.demo import error_table
 from tactus.core.table import read_table
 from tactus.errors import (
@@ -23,11 +22,11 @@ from tactus.errors import (
     scene_errors,
 )
 from tactus.network_files.network_file import provenance_path, save_network, write_network
-from tactus.report.measure.disturbance import KINDS, NONE, noise_and_drift
+from tactus.report.measure.disturbance import NONE, noise_and_drift
 from tactus.report.measure.networks import scenes
 from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.metrics import OutputError, activation_error, displacement_errors, millimetres
+from tactus.scene.metrics import activation_error, displacement_errors
 from tactus.scene.scale import Scale, on_readings
 from tactus.train.split import split_of, split_story
 from tb.common.cases import random_mlp
@@ -116,26 +115,6 @@ def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> Non
 
 
 @pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ("", ", drawn at random"),
-        ("split = 'blocks'\nblock_rows = 7\n", ", in stretches of about 7 rows"),
-        (
-            "split = 'blocks'\nsplit_by = ['load', 'shape']\n",
-            ", in stretches of about 5 rows with the same load and shape",
-        ),
-        ("split = 'groups'\nsplit_by = ['load']\n", ", all that have the same load together"),
-    ],
-)
-def test_it_is_said_which_rows_are_held_out(scene: Path, keys: str, words: str) -> None:
-    scene.write_text(scene.read_text() + keys)
-    loaded = load_scene(str(scene))
-    write_provenance(scene)
-    count = len(split_of(loaded).test)
-    assert held_out_text(loaded) == f"{count} that neither trained nor chose the network{words}"
-
-
-@pytest.mark.parametrize(
     "disturbance",
     [Disturbance(noise=0.008), Disturbance(gain=0.01), Disturbance(offset=0.01)],
     ids=["noise", "gain", "offset"],
@@ -186,27 +165,11 @@ def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None
         assert error == pytest.approx(error_there, rel=1e-9 if same else 0.03)
 
 
-def test_a_table_of_disturbances_has_every_kind_and_size() -> None:
-    scene = replace(load_scene("digit-parallel"), name="mine")
-    table = noise_and_drift(scene, 1)
-    wanted = [(kind, size) for kind, sizes in KINDS.values() for size in sizes]
-    assert [tuple(row[:2]) for row in table.rows] == [(NONE, 0.0), *wanted]
-    found = {(row[0], row[1]): row[2:] for row in table.rows}
-    assert found["noise", 0.002] == disturbed_errors(scene, Disturbance(noise=0.002))
-    assert found["gain drift", 0.01] == disturbed_errors(scene, Disturbance(gain=0.01))
-    assert found["offset drift", 0.01] == disturbed_errors(scene, Disturbance(offset=0.01))
-
-
 def test_the_codes_of_table_3_1() -> None:
     data = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
     load, width = (np.unique(column) for column in read_table(data, ("load", "width")).T)
     assert np.allclose(width / FULL_SCALE * WIDTH_MM, [12.7, 25.4, 38.1, 50.8])
     assert np.allclose(load / FULL_SCALE * LOAD_G, [6, 8, 9, 11, 12, 16, 19, 23], atol=0.01)
-
-
-def test_percent_of_a_full_scale_in_millimetres() -> None:
-    found = millimetres(OutputError(mean=5.0, largest_mean=10.0, worst=100.0), POSITION_MM)
-    assert (found.mean, found.largest_mean, found.worst) == pytest.approx((6.35, 12.7, 127.0))
 
 
 def test_displacement_errors_of_a_sine() -> None:
@@ -248,10 +211,3 @@ def test_drift_is_one_of_each_sensor():
         np.testing.assert_allclose(np.polyval(line, READINGS[:, s]), changed[:, s], atol=1e-12)
     assert len({round(gain, 6) for gain, _ in lines}) == 4
     assert len({round(offset, 6) for _, offset in lines}) == 4
-
-
-@pytest.mark.parametrize("size", [-1e-3, float("nan"), float("inf"), 1e3])
-@pytest.mark.parametrize("what", ["noise", "gain", "offset"])
-def test_a_size_that_cannot_be_is_refused(what, size):
-    with pytest.raises(InputError, match=what):
-        Disturbance(**{what: size})

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.input_error import InputError
 from golden.networks.design import Settings
 from golden.networks.function_sums import function_sums
 from golden.networks.left_out import left_out
@@ -133,13 +132,6 @@ def test_nothing_is_built_that_changes_no_output() -> None:
     codes = frames(2)
     real = network.layers().process(SIGNAL.to_real(codes)).clip(-1, 1)
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
-
-
-@pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])
-@pytest.mark.parametrize("bits", [3, 15])
-def test_bits_out_of_range_are_refused(key: str, bits: int) -> None:
-    with pytest.raises(InputError, match=rf"hardware.{key}: got {bits}, expected 4 to 14"):
-        graph(random_learned((1, 1, 1), 0, 1.0, 1), **{key: bits})
 
 
 def test_a_scene_that_decides() -> None:
