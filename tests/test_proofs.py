@@ -13,13 +13,9 @@ from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off import record
 from tactus.verify.sign_off.prove import check_record, entities, settle
 from tactus.verify.sign_off.solver import Answer, Inquiry
-from tactus.verify.sign_off.subject import chosen_blocks
 from tb.common.properties import Property
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
-# These are proved in every run. make prove proves all.
-QUICK = ("output_controller",)
 
 
 @pytest.fixture
@@ -52,11 +48,9 @@ def test_every_property_can_fail(export: Callable[[str, str], Job], block: str) 
         assert all(item.refuted_by for item in items)
 
 
-@pytest.mark.parametrize("block", QUICK)
-def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, block: str) -> None:
-    for job in entities(block, export):
-        for item in properties_of(job):
-            assert settle(job, item, tmp_path / "work").faults == [], item.name
+def test_proved_and_refuted(rows: Job, tmp_path: Path) -> None:
+    for item in properties_of(rows):
+        assert settle(rows, item, tmp_path / "work").faults == [], item.name
 
 
 def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:
@@ -120,8 +114,3 @@ def test_a_stale_record_names_the_command(
     assert all(
         record.PROVE.format("output_controller") in text for text in (missing, stale, lacking)
     )
-
-
-def test_a_block_without_properties_is_named() -> None:
-    with pytest.raises(InputError, match="did you mean 'output_controller'"):
-        chosen_blocks("output_controler")

@@ -1,7 +1,4 @@
-"""Tests the report: its content, the files beside it, and its look in a browser.
-
-Every run makes the report of a user's scene. ALL=1 also makes that of a shipped scene.
-"""
+"""Tests the report of a user's scene: its content, the files beside it, and its look."""
 
 import csv
 import json
@@ -15,7 +12,6 @@ import pytest
 from shared import Shared
 
 from tactus.core.fingerprint import ROOT
-from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Table
 from tactus.report.page import build
 from tactus.report.page.content import content
@@ -75,13 +71,6 @@ def test_the_commands_of_a_users_report_name_its_file(own: Path, own_data: dict)
         assert re.search(rf"SCENE=/\S*/{OWN}\.toml", command), command
 
 
-def test_what_was_verified_stands_before_what_is_left_out(own_data: dict) -> None:
-    names = list(own_data["sections"])
-    assert names[:4] == ["verified", "outputs", "sensors", "left-out"]
-    left_out = own_data["sections"]["left-out"]
-    assert "the load profile: the scene has no visualisation" in left_out
-
-
 def test_the_worst_rows_are_those_of_the_file(own_data: dict) -> None:
     table = own_data["tables"]["worst_rows"]
     with DATA.open(newline="") as handle:
@@ -122,34 +111,16 @@ class Links(HTMLParser):
                 self.loads.append(value or "")
 
 
-def test_the_page_needs_nothing_beside_it(own: Path) -> None:
+def test_the_page_needs_nothing_beside_it_and_every_anchor_leads_somewhere(own: Path) -> None:
     text = own.read_text()
     links = Links(text)
     assert [link for link in links.loads if link != "data:,"] == []
     assert "@import" not in text
     assert not re.findall(r"url\((?!#)", text)
     assert "<script" not in text
-
-
-def test_no_id_stands_twice_and_every_anchor_leads_somewhere(own: Path) -> None:
-    links = Links(own.read_text())
     assert len(links.ids) == len(set(links.ids))
     assert set(links.anchors) <= set(links.ids)
     assert len(links.anchors) > 10
-
-
-@pytest.mark.all_only
-def test_the_first_screen_is_the_scene(shared: Shared) -> None:
-    scene = load_scene("digit-load")
-    with shared.own_store():
-        build.build_report(scene)
-    page = BUILD / scene.name / "report.html"
-    tables = json.loads((page.with_suffix("") / "report.json").read_text())["tables"]
-    assert f"<h1>tactus: {scene.name}</h1>" in page.read_text()
-    costs = dict(row[:2] for row in tables["costs"]["rows"])
-    assert costs["clocks from first sample to last output"] == clocks_per_frame(scene.twin())
-    assert [row[0] for row in tables["errors"]["rows"]] == list(scene.outputs)
-    assert tables["blocks"]["rows"]
 
 
 def test_a_second_report_measures_nothing(shared: Shared, own: Path) -> None:

@@ -54,28 +54,6 @@ def broken_links(site: Path) -> list[str]:
     return found
 
 
-of_the_site = pytest.mark.all_only
-
-
-@pytest.fixture(scope="module")
-def site(shared: Shared) -> Path:
-    (Path(sys.prefix) / ".ready").touch()
-    folder = shared.folder / "docs" / "site"
-
-    def make_docs() -> None:
-        result = make("docs", f"SITE={folder}")
-        assert result.returncode == 0, result.stderr
-        assert [path.name for path in folder.parent.iterdir()] == ["site"]
-
-    shared.once("site", make_docs)
-    return folder
-
-
-@of_the_site
-def test_every_link_leads_somewhere(site: Path) -> None:
-    assert not broken_links(site)
-
-
 def sphinx(builder: str, source: Path, folder: Path, *more: str) -> CompletedProcess[str]:
     """Run Sphinx as make docs does, with the settings of docs/conf.py."""
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", builder]
@@ -102,8 +80,14 @@ def test_every_guide_can_be_read_and_its_links_lead_somewhere(tmp_path: Path) ->
     assert result.returncode == 0, result.stderr
 
 
-@of_the_site
-def test_every_guide_is_there(site: Path) -> None:
+@pytest.mark.all_only
+def test_the_site_is_complete_and_every_link_leads_somewhere(shared: Shared) -> None:
+    (Path(sys.prefix) / ".ready").touch()
+    site = shared.folder / "docs" / "site"
+    result = make("docs", f"SITE={site}")
+    assert result.returncode == 0, result.stderr
+    assert [path.name for path in site.parent.iterdir()] == ["site"]
+    assert not broken_links(site)
     start = Page(site / "index.html")
     assert "the-blocks" in start.anchors
     for guide in (ROOT / "docs").glob("*.md"):
@@ -111,27 +95,23 @@ def test_every_guide_is_there(site: Path) -> None:
         assert f"{guide.stem}.html" in start.links or guide.stem == "index"
     slips = (site / "slips.html").read_text(encoding="utf-8")
     assert "sigma_6 = 0.633" in slips
+    for path in site.rglob("*"):
+        if path.is_file():
+            content = path.read_bytes()
+            assert str(ROOT).encode() not in content, path
+            assert str(site.parent).encode() not in content, path
+    for area, block in BLOCKS:
+        has_ports_and_docstring(site, area, block)
 
 
-@of_the_site
-@pytest.mark.parametrize(("area", "block"), BLOCKS)
-def test_a_block_has_its_ports_and_its_docstring(site: Path, area: str, block: str) -> None:
+def has_ports_and_docstring(site: Path, area: str, block: str) -> None:
     """A function with MyHDL's decorator still has its signature."""
     text = (site / "api" / f"hdl.{area}.html").read_text(encoding="utf-8")
     entry = re.search(rf'id="hdl\.{area}\.{block}\.{block}">(.*?)</dt>(.*?)</dd>', text, re.S)
-    assert entry
+    assert entry, block
     hardware = getattr(import_module(f"hdl.{area}.{block}"), block)
     for name in inspect.signature(hardware).parameters:
         assert f'<span class="pre">{name}</span>' in entry[1]
     summary = html.unescape(re.sub("<.*?>", "", entry[2]))
     first = (inspect.getdoc(hardware) or "").replace("`", "").split()
     assert " ".join(first[:3]) in " ".join(summary.split())
-
-
-@of_the_site
-def test_nothing_tells_where_it_was_built(site: Path) -> None:
-    for path in site.rglob("*"):
-        if path.is_file():
-            content = path.read_bytes()
-            assert str(ROOT).encode() not in content, path
-            assert str(site.parent).encode() not in content, path

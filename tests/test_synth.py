@@ -3,7 +3,6 @@
 import re
 from graphlib import CycleError
 from pathlib import Path
-from typing import Any
 
 import pytest
 from conftest import tiered
@@ -13,21 +12,17 @@ from golden.common.block import walk
 from golden.input_error import InputError, MissingFileError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.numbers.fixed import Fix
-from tactus.core.store import VARIABLE
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
-from tactus.synth import budget, timing
+from tactus.synth import budget
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
 from tactus.synth.cells import (
     FAMILIES,
     FLAT,
     FLAT_FAMILY,
-    KINDS,
-    count,
     depth,
     synthesise,
     synthesise_flat,
-    total,
 )
 from tactus.synth.ecp5 import absorb
 from tactus.synth.lean import cells
@@ -52,12 +47,6 @@ def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
     }
 
 
-def test_parts_are_counted_as_often_as_they_stand() -> None:
-    modules = {"leaf": {"LUT4": 2, "FDRE": 1}, "pair": {"leaf": 2, "MULT18X18": 1, "LUT1": 1}}
-    found = count(total({**modules, "top": {"pair": 3, "SRL16E": 1}}, "top"))
-    assert found == dict(zip(KINDS, [16, 0, 0, 6, 3, 0], strict=True))
-
-
 def test_depth_counts_luts_between_registers() -> None:
     cells = {
         "a": cell("LUT2", [1, 2], 3),
@@ -70,15 +59,6 @@ def test_depth_counts_luts_between_registers() -> None:
     cells["keep"]["type"] = "LUT1"
     assert depth({"cells": cells}) == 4
     assert depth({"cells": {}}) == 0
-
-
-def test_a_multiplier_with_a_register_ends_a_path() -> None:
-    def chain(register: str) -> dict:
-        product = cell("DSP48E1", [3], 4, PREG=register, ADREG="1")
-        return {"cells": {"a": cell("LUT2", [1], 3), "b": product, "c": cell("LUT2", [4], 5)}}
-
-    assert depth(chain("00000000")) == 3
-    assert depth(chain("00000001")) == 1
 
 
 def test_a_lut_of_two_outputs_counts_where_an_output_depends_on_an_input() -> None:
@@ -142,30 +122,27 @@ def test_registers_move_into_a_multiplier() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "other", "moved"),
+    ("name", "other", "outputs", "left"),
     [
-        ("a", register(10, 11, reset=5), 1),  # a reset of its own
-        ("b", register(20, 21, clock=2), 1),  # another clock
-        ("p", register(30, 31, reset=5), 1),
-        ("a", cell("LUT1", [10], 11), 1),  # no register
-        ("p", cell("LUT1", [30], 31), 1),
-        ("q", register(30, 32), 1),  # a second reader of the product
+        ("a", register(10, 11, reset=5), {31}, "a b"),  # a reset of its own
+        ("b", register(20, 21, clock=2), {31}, "a b"),  # another clock
+        ("p", register(30, 31, reset=5), {31}, "p"),
+        ("a", cell("LUT1", [10], 11), {31}, "a b"),  # no register
+        ("p", cell("LUT1", [30], 31), {31}, "p"),
+        ("q", register(30, 32), {31, 32}, "p q"),  # a second reader of the product
+        ("p", register(30, 31), {30, 31}, "p"),  # a port of the design shows the product
+        # The register of an operand that something else reads is doubled.
+        ("b", register(20, 21), {21, 31}, "b"),
+        ("more", cell("LUT1", [11], 40), {31, 40}, "a more"),
     ],
 )
-def test_what_a_multiplier_cannot_hold_stays_outside(name: str, other: dict, moved: int) -> None:
+def test_what_a_multiplier_cannot_hold_stays_outside(
+    name: str, other: dict, outputs: set, left: str
+) -> None:
     cells = product() | {name: other}
-    assert absorb(cells, {31, 32}) == moved
-    assert name in cells
-
-
-def test_a_register_that_something_else_reads_stays_too() -> None:
-    cells = product() | {"more": cell("LUT1", [11], 40)}
-    assert absorb(cells, {31, 40}) == 2
-    assert set(cells) == {"multiplier", "a", "more"}
-    assert cells["multiplier"]["connections"]["A0"] == [10]
-    cells = product()
-    assert absorb(cells, {31, 21}) == 2
-    assert set(cells) == {"multiplier", "b"}
+    absorb(cells, outputs)
+    assert set(cells) == {"multiplier", *left.split()}
+    assert cells["multiplier"]["connections"]["A0"] == [11 if "a b" in left else 10]
 
 
 def memory() -> dict[str, dict]:
@@ -211,39 +188,22 @@ def test_a_word_s_registers_move_into_its_memory() -> None:
         ("more", cell("LUT1", [11], 22), set()),
         ("low", register(10, 20), {11}),  # a port of the design shows the word
         ("low", register(10, 20) | {"parameters": {"CLKMUX": "INV"}}, set()),
+        ("memory", {"connections": {"OCEA": [7]}}, set()),
+        ("memory", {"connections": {"RSTA": [7]}}, set()),
+        ("memory", {"connections": {"CLKA": [2]}}, set()),
+        ("memory", {"parameters": {"CLKAMUX": "INV"}}, set()),
+        ("memory", {"parameters": {"REGMODE_A": "OUTREG"}}, set()),
     ],
 )
 def test_what_a_memory_cannot_hold_stays_outside(name: str, other: dict, outputs: set) -> None:
-    cells = memory() | {name: other}
-    assert absorb(cells, {20, 21, 22} | outputs) == 0
-    assert cells["memory"]["parameters"]["REGMODE_A"] == "NOREG"
-    assert {"low", "high"} <= set(cells)
-
-
-@pytest.mark.parametrize(
-    ("wires", "parameters"),
-    [
-        ({"OCEA": [7]}, {}),
-        ({"RSTA": [7]}, {}),
-        ({"CLKA": [2]}, {}),
-        ({}, {"CLKAMUX": "INV"}),
-        ({}, {"REGMODE_A": "OUTREG"}),
-    ],
-)
-def test_a_memory_whose_register_is_used_otherwise_keeps_none(
-    wires: dict, parameters: dict
-) -> None:
     cells = memory()
-    cells["memory"]["connections"] |= wires
-    cells["memory"]["parameters"] |= parameters
-    assert absorb(cells, {20, 21}) == 0
+    if name == "memory":
+        for part, values in other.items():
+            cells[name][part] |= values
+    else:
+        cells[name] = other
+    assert absorb(cells, {20, 21, 22} | outputs) == 0
     assert {"low", "high"} <= set(cells)
-
-
-def test_a_product_that_a_port_shows_keeps_its_register_outside() -> None:
-    cells = product()
-    assert absorb(cells, {30, 31}) == 1
-    assert "p" in cells
 
 
 @pytest.mark.usefixtures("yosys")
@@ -262,17 +222,6 @@ def test_a_sum_of_three_operands_takes_a_lut_for_each_bit() -> None:
     found = cells(matrix, "xc7")
     # The sum has 16 bits. Two sums of two operands would have 15 and 16. The rest is for valid.
     assert 16 <= found["LUT"] <= 20
-
-
-@pytest.mark.usefixtures("yosys")
-def test_a_product_and_a_sum_beside_a_sum_of_three_operands_stays_as_it_is(tmp_path: Path) -> None:
-    """To Yosys it is the same kind of cell, with another number of operands."""
-    (tmp_path / "both.v").write_text(
-        "module both(input signed [3:0] a, b, c, output reg signed [5:0] s, output [8:0] p);\n"
-        "always @(a, b, c) begin: add_three0_join s = a + b + c; end\n"
-        "assign p = a * b + c;\nendmodule\n"
-    )
-    assert synthesise(tmp_path, "both", "xc7")["both"]["LUT"] > 6
 
 
 def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:
@@ -389,25 +338,18 @@ def engine_in(shared: Shared, case: str) -> Job:
     return job
 
 
-def passes_with(job: Job, text: str) -> bool:
-    """Whether the bench passes if the operand memory is read in another way."""
+@pytest.mark.parametrize(
+    ("returned", "passes"), [(COLLISION, True), (ALWAYS, False)], ids=["collision", "always"]
+)
+def test_a_word_that_is_read_while_it_is_written_is_not_used(
+    shared: Shared, tmp_path: Path, returned: str, passes: bool
+) -> None:
+    job = copied_job(engine_in(shared, "deep-engine"), tmp_path)
     (file,) = job.hdl_folder.glob(f"{OPERANDS}.v")
-    source, count = re.subn(r"found <= memory", text, file.read_text())
+    source, count = re.subn(r"found <= memory", returned, file.read_text())
     assert count == 1
     file.write_text(source)
-    return run_job(job).passed
-
-
-@pytest.mark.parametrize("case", tiered(["deep-engine"], ["chain-engine"]))
-def test_a_word_that_is_read_while_it_is_written_is_not_used(
-    shared: Shared, tmp_path: Path, case: str
-) -> None:
-    assert passes_with(copied_job(engine_in(shared, case), tmp_path), COLLISION)
-
-
-def test_a_word_that_is_used_would_be_found(shared: Shared, tmp_path: Path) -> None:
-    job = copied_job(engine_in(shared, "deep-engine"), tmp_path)
-    assert not passes_with(job, ALWAYS)
+    assert run_job(job).passed == passes
 
 
 @pytest.mark.all_only
@@ -425,39 +367,3 @@ def test_a_word_without_its_register_is_found(shared: Shared, tmp_path: Path) ->
     assert count
     file.write_text(text)
     assert not run_job(copied).passed
-
-
-# One register between many inputs and one output.
-WIDE = """
-module wide(input clk, input [{last}:0] a, output reg y);
-  always @(posedge clk) y <= ^a;
-endmodule
-"""
-
-
-@pytest.mark.parametrize(("inputs", "without"), [(363, False), (364, True)])
-def test_ports_without_pins(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, inputs: int, without: bool
-) -> None:
-    """A clock, an output and 363 inputs take all 365 pins."""
-    devices: list[list[str]] = []
-
-    def place(folder: Path, aim: int, placer: str, *, device: list[str]) -> dict[str, Any]:
-        devices.append(list(device))
-        (folder / f"{placer}.json").write_text("{}")
-        ends = [{"from": {"cell": "a"}, "to": {"cell": "b"}}]
-        return {
-            "fmax": {"clk": {"achieved": 100.0}},
-            "critical_paths": [{"from": "clk", "to": "clk", "path": ends}],
-            "utilization": {
-                kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")
-            },
-        }
-
-    # The answer is not the one of an earlier run, nor kept for a later one.
-    monkeypatch.setenv(VARIABLE, str(tmp_path / "store"))
-    monkeypatch.setattr(timing, "place", place)
-    monkeypatch.setattr(timing, "_verilog", lambda folder, top: "")
-    (tmp_path / "wide.v").write_text(WIDE.format(last=inputs - 1))
-    assert timing.route(tmp_path, "wide").clock_mhz == 100.0
-    assert [(timing.WITHOUT_PINS in device) for device in devices] == [without]
