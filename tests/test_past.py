@@ -1,4 +1,4 @@
-"""Tests networks with past samples: the keys of a scene, and which rows it uses."""
+"""Tests networks with past samples: the keys of a scene, which rows it uses, and the twins."""
 
 import csv
 from dataclasses import replace
@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
+from golden.instruments.readout import Readout
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.network import CHUNK, Network
+from golden.networks.windowed import Windowed
+from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
+from golden.sensing.frame_window import FrameWindow
 from golden.trained.window import Window
 from tactus.cli.predict import main as predict
 from tactus.cli.train import train_scene
@@ -19,6 +25,10 @@ from tactus.scene.disturbance import Disturbance
 from tactus.scene.vectors import read_recorded
 from tactus.train.split import split_of
 from tactus.train.task import task_for
+from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of
+from tb.common.case_library import PAST
+from tb.common.cases import Case
 
 WINDOW = Window(((0, 2, 3), (0,), (1, 5)))
 ROWS = (60, 47)
@@ -175,3 +185,56 @@ def test_a_window_as_long_as_a_recording_is_refused(past: Scene, longest: int) -
     message = r"two.csv: got 47 rows, expected more than the 47 that data.window of .* reaches back"
     with pytest.raises(InputError, match=message):
         scene.vectors()
+
+
+FMT = Fix(14, 13)
+
+
+def block(window: Window, slots=0, spacing=100) -> FrameWindow:
+    return FrameWindow(FMT, window, slots, spacing)
+
+
+@pytest.fixture(scope="module")
+def windowed(tmp_path_factory: pytest.TempPathFactory) -> Windowed:
+    design = scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
+    assert isinstance(design, Windowed)
+    return design
+
+
+def random_frames(count: int, sensors: int) -> np.ndarray:
+    return np.random.default_rng(1).integers(FMT.low, FMT.high + 1, (count, sensors))
+
+
+def test_the_network_takes_the_samples_of_the_window(windowed: Windowed) -> None:
+    """Frames beyond a chunk have those before it as their past."""
+    frames = random_frames(CHUNK + 20, windowed.inputs)
+    taps = windowed.frame_window.window.frames(frames)
+    results = windowed.process(frames)
+    assert results.shape == (len(frames) - windowed.past, windowed.outputs)
+    assert windowed.process(frames[: windowed.past]).shape == (0, windowed.outputs)
+    assert np.array_equal(results, windowed.network.process(taps))
+    assert windowed.core is windowed.network
+
+
+@pytest.mark.parametrize("around", [AxisNetwork, Readout])
+def test_what_stands_around_it_has_its_past(windowed: Windowed, around: type[Network]) -> None:
+    network = around(network=windowed)
+    frames = random_frames(30, windowed.inputs)
+    assert network.past == windowed.past
+    assert np.array_equal(network.process(frames), windowed.process(frames))
+
+
+def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
+    window = Window(((0, 1), (0, 1)))
+    assert block(window, slots=1, spacing=5).interval == 5
+    for slots, spacing in ((1, 4), (0, 0), (-1, 100)):
+        with pytest.raises(InputError, match=f"frame_window: got slots={slots} and spacing="):
+            block(window, slots, spacing)
+
+
+def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
+    """The engine keeps up with the frames."""
+    case: Case = CASES["past-instrument"]
+    twin = scene_of(case, tmp_path, "fast").twin()
+    assert twin.past == 2
+    assert twin.readout.interval <= twin.interval

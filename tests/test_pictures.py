@@ -23,7 +23,7 @@ from tactus.report.draw.load import beam, has_load, profile
 from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
 from tactus.report.draw.pictures import Skipped, pictures
-from tactus.report.draw.svg import ACCENT, own_ids
+from tactus.report.draw.svg import ACCENT
 from tactus.report.draw.waveforms import Row, waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.report.page.made import design_picture
@@ -95,15 +95,6 @@ def test_a_picture_is_one_accessible_svg_the_same_on_every_run(draw) -> None:
     assert "<script" not in text
 
 
-def test_ids_that_matplotlib_makes_are_numbered() -> None:
-    """matplotlib makes them from last bits of coordinates, which depend on the processor."""
-    text = '<g id="axes_1"/><path id="p1d0cd6af95"/><use href="#m32b7dbc30e"/><g id="m32b7dbc30e"/>'
-    assert own_ids(f'{text}<a clip-path="url(#p1d0cd6af95)"/>', "x") == (
-        '<g id="x-axes_1"/><path id="x-p0"/><use href="#x-m1"/><g id="x-m1"/>'
-        '<a clip-path="url(#x-p0)"/>'
-    )
-
-
 @pytest.mark.parametrize("name", ["digit", "digit-single", "swing-window-cascade"])
 def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
     scene = load_scene(name)
@@ -124,12 +115,6 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
     assert fed_back == [name for n in range(cascade) for name in scene.outputs[:n]]
 
 
-def test_a_wide_network_scrolls_where_its_letters_would_be_small() -> None:
-    scene = load_scene("digit")
-    assert "min-width" not in network(scene)
-    assert "min-width" in network(replace(scene, sensors=[f"{n} " + 50 * "x" for n in range(4)]))
-
-
 # One of each design, and what stands around the networks.
 @pytest.mark.parametrize(
     "name",
@@ -147,16 +132,6 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
     shown = " ".join(words(root))
     for block in walk(scene.twin()):
         assert block.block in shown
-
-
-def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
-    scene = load_scene("digit-hybrid")
-    shown = words(parse(datapath(scene)))
-    for member in scene.mlps():
-        assert f"{member.shape[1]} × input_node: 4 clocks" in shown
-        assert f"{member.shape[1]} × precise" in shown
-    assert f"{scene.twin().latency} clocks" in shown
-    assert "Fix(14,13) to Fix(18,14)" in shown
 
 
 def test_the_recording_holds_what_the_twin_computes(recorded: list[Row]) -> None:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -74,20 +73,6 @@ class Benches:
     def simulate(self, full: bool = True) -> dict[str, Any]:
         self.ran = []
         return results.simulate(load_scene(str(self.scene.path)), full)
-
-
-@pytest.mark.parametrize(("frames", "said"), [(3, True), (1000, False)])
-def test_recorded_frames_that_are_not_played_are_told(
-    small_scene: Scene, frames: int, said: bool
-) -> None:
-    scene = small_scene
-    facts = {"frames": frames, "interval": 1}
-    count = len(scene.vectors().codes)
-    text = results.short_text(scene, facts)
-    assert bool(text) == said
-    if said:
-        assert f"3 of {count} recorded frames are played" in text
-        assert text.endswith(f"BLOCK={scene.twin().block} FRAMES={count} plays all.")
 
 
 @pytest.fixture
@@ -161,20 +146,14 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
     assert len(asked) < len(planned)
 
 
-def test_recorded_frames_alone_do_not_stand_for_a_whole_bench(benches: Benches) -> None:
+def test_what_enters_a_bench_runs_it_again(benches: Benches) -> None:
     job = benches.planned[0]
     fewer = replace(job, test="recorded")
     kept_results.run_and_keep(fewer)
     assert kept_results.kept(fewer)
-    assert kept_results.kept(job) is None
+    assert kept_results.kept(job) is None, "recorded frames alone stand for no whole bench"
     kept_results.run_and_keep(job)
     assert kept_results.kept(replace(job, test="another"))
-    assert kept_results.kept(job)
-
-
-def test_what_enters_a_bench_runs_it_again(benches: Benches) -> None:
-    job = benches.planned[0]
-    kept_results.run_and_keep(job)
     others = [replace(job, seed=2), replace(job, frames=7), replace(job, simulator="icarus")]
     assert not any(kept_results.kept(other) for other in others)
     assert kept_results.kept(job)
@@ -206,24 +185,19 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
     assert results.stored_results(benches.scene) == everything | {"kept": len(benches.planned)}
 
 
-@cache
-def blocks_of_scenes() -> dict[str, set[str]]:
-    """The blocks of every shipped scene, in the order of the scenes."""
-    return {name: blocks_in(load_scene(name)) for name in scene_names()}
-
-
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize("block", sorted(BENCHES))
-def test_every_block_is_found_without_a_scene(block: str) -> None:
+def test_every_block_is_found_without_a_scene() -> None:
     """Default scenes come first, then other shipped scenes, then the cases of its bench."""
-    found = places(None, block)
-    assert all(block in blocks_in(place.scene) for place in found)
-    shipped = [name for name, blocks in blocks_of_scenes().items() if block in blocks]
-    default = [name for name in DEFAULT_SCENES if name in shipped]
-    names = [place.scene.name for place in found]
-    assert names == (default or shipped[:1] or CASES_OF[block][:1])
-    kind = "scene" if shipped else "case"
-    assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
+    blocks_of_scenes = {name: blocks_in(load_scene(name)) for name in scene_names()}
+    for block in BENCHES:
+        found = places(None, block)
+        assert all(block in blocks_in(place.scene) for place in found)
+        shipped = [name for name, blocks in blocks_of_scenes.items() if block in blocks]
+        default = [name for name in DEFAULT_SCENES if name in shipped]
+        names = [place.scene.name for place in found]
+        assert names == (default or shipped[:1] or CASES_OF[block][:1])
+        kind = "scene" if shipped else "case"
+        assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
 
 
 def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
@@ -401,18 +375,15 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
     assert benches.keys() - found
 
 
-def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
+def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(
+    sources: Copy, monkeypatch: pytest.MonkeyPatch
+) -> None:
     benches, report = sources.benches(), sources.report()
     sources.add("tb/layers/tb_output_controller.py", CODE)
     assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}
     assert changed(report, sources.report()) == set()
-
-
-def test_the_tools_are_a_part(sources: Copy, monkeypatch: pytest.MonkeyPatch) -> None:
-    job = sources.jobs[0]
-    before = kept_results.bench_key(job)
     monkeypatch.setattr(kept_results, "_tools", lambda _: ["icarus 99"])
-    assert kept_results.bench_key(job) != before
+    assert changed(benches, sources.benches()) == benches.keys()
 
 
 def test_modules_that_are_found_by_name_are_listed() -> None:

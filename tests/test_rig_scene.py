@@ -16,7 +16,6 @@ from golden.trained.function import Function
 from tactus.core.finding import FAULT
 from tactus.core.table import read_csv_file, read_table
 from tactus.network_files.network_file import write_network
-from tactus.rig import readings
 from tactus.rig.draft import brought, draft, names_of, write_scene
 from tactus.rig.survey import Survey, survey
 from tactus.scene import Scene, load_scene
@@ -210,16 +209,6 @@ def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, poi
     command = str(refused.value).rpartition("; ")[2].removesuffix(" converts it")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
-
-
-def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
-    """Every second row of sensors 1 to 3 was interpolated. Sensor 4 was read in every row."""
-    scene = load_scene("digit")
-    assert len(readings.on_lines(scene.vectors().inputs)) == 62
-    page = (ROOT / "docs" / "limits.md").read_text()
-    assert "`62 of 143 rows are exact means of the rows beside them`" in page
-    noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
-    assert len(readings.on_lines(noisy)) < 5
 
 
 # --- the scene

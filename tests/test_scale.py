@@ -16,7 +16,7 @@ from tactus.errors import scene_errors, unit_errors
 from tactus.export import __main__ as export
 from tactus.network_files.network_file import load_network, provenance_path, save_network
 from tactus.scene import Scene, load_scene
-from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
+from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
 from tactus.train import search
 from tactus.train.split import scaled, split_rows
@@ -54,23 +54,6 @@ def signal_scene(folder: Path) -> Scene:
     path = write_scene(folder, "plain", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     path.write_text(path.read_text().replace('group_by = "y0"\n', "full_scale = { y1 = 1 }\n"))
     return load_scene(str(path))
-
-
-def test_the_ends_of_a_range() -> None:
-    """The example is an ADC of 0 to 5 V."""
-    scale = [Scale(2.5, 2.5)]
-    assert signals(np.array([[0.0], [2.5], [5.0]]), scale).ravel().tolist() == [-1, 0, 1]
-    assert readings(np.array([[-1.0], [0.0], [0.5]]), scale).ravel().tolist() == [0, 2.5, 3.75]
-
-
-def test_a_network_on_signals_is_that_on_readings() -> None:
-    mlp = random_mlp((3, 5, 2), 1.0, 1)
-    into, out = SCALES[:3], SCALES[3:]
-    raw = np.random.default_rng(1).uniform(-400, 400, (50, 3))
-    expected = signals(mlp.process(raw), out)
-    assert np.allclose(on_signals(mlp, into, out).process(signals(raw, into)), expected)
-    back = on_readings(on_signals(mlp, into, out), into, out)
-    assert np.allclose(back.process(raw), mlp.process(raw), atol=1e-9)
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.lists(st.floats(0, 1)))

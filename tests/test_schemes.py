@@ -3,26 +3,32 @@
 import json
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_table import FORMATS
 from golden.activation.pade import fraction, pade_real
+from golden.activation.precise import Precise
 from golden.activation.reference import (
     inverse,
     inverse_fraction,
     pade_fraction,
     rho_regression,
-    stable_below,
     taylor,
 )
-from golden.activation.schemes import forms
+from golden.activation.schemes import SCHEMES, forms
+from golden.engine.formats import DROPPED, HIDDEN, RESULT
+from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.left_out import parts_left_out
-from golden.numbers.precision import SIGNAL, THESIS
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.transcendental import tanh_floors
 from tactus.report.activations import plot_file
-from tactus.report.measure import activation_errors as errors
 from tactus.report.measure.activation_errors import FACTORS
 from tactus.report.measure.table import Table, read_csv, rows_of
 
@@ -54,10 +60,6 @@ IDS = [f"{name}-{p.name}-q{q}" for name, p, q in CASES]
 
 def every_code(precision):
     return np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
-
-
-def test_every_form_has_its_bounds() -> None:
-    assert {name for name, _ in OF_TANH} <= set(BOUNDS) <= set(FORMS)
 
 
 @pytest.mark.parametrize(("name", "precision", "factor"), CASES, ids=IDS)
@@ -138,11 +140,6 @@ def test_too_large_a_factor_names_it_and_the_format(name: str) -> None:
 Q = np.linspace(-3, 3, 601)
 
 
-def test_taylor_is_the_cut_series() -> None:
-    power = 1 + 2 * Q + 4 * Q**2 / 2 + 8 * Q**3 / 6 + 16 * Q**4 / 24
-    assert taylor(Q) == pytest.approx((power - 1) / (power + 1))
-
-
 def test_the_thesis_is_right_about_series_and_fraction() -> None:
     """The series is off by up to 2.3 % of tanh for positive q, the fraction by less than 0.25 %."""
     positive = Q[Q > 0]
@@ -150,21 +147,6 @@ def test_the_thesis_is_right_about_series_and_fraction() -> None:
     assert 100 * worst == pytest.approx(2.3, abs=0.05)
     assert 100 * np.abs(pade_fraction(Q) - np.tanh(Q)).max() < 0.25
     assert pade_fraction(1e-8) == pytest.approx(1e-8)
-
-
-@pytest.mark.parametrize(
-    ("rho", "limit"), [(1, 1.447), (2, 2.371), (3, 2.933), (4, 3.352), (5, 3.691)]
-)
-def test_stability_limits_of_rho(rho: float, limit: float) -> None:
-    assert stable_below(rho) == pytest.approx(limit, abs=5e-4)
-    for q, settles in ((0.999 * limit, True), (1.001 * limit, False)):
-        missing = abs(rho_regression(q, rho, 8000) - pade_fraction(q))
-        assert missing < 1e-3 if settles else missing > 10
-
-
-def test_a_rho_that_never_settles_is_refused() -> None:
-    with pytest.raises(InputError, match=r"rho: got 0.5, expected above 0.5"):
-        stable_below(0.5)
 
 
 def test_the_regression_step_by_step_is_its_closed_form() -> None:
@@ -243,6 +225,115 @@ def test_the_command_prints_and_draws_what_it_measures(folder: Path, table: Tabl
     assert plots == set(map(plot_file, forms()))
 
 
-def test_a_scheme_of_our_own_has_no_figure_of_the_thesis() -> None:
-    assert errors.thesis_figure("gradient_parallel") == 0.40
-    assert errors.thesis_figure("relu") is None
+FMT = EXACT.hidden_fmt
+EVERY = np.arange(FMT.low, FMT.high + 1)
+# The number of codes that are not the correctly rounded tanh, and the largest error in units of
+# 2**-13 below the largest code.
+ROUNDED = {"precise": (12770, 0.957), "precise block_ram": (452, 0.519)}
+
+
+def build(name: str, reach: int = FMT.high) -> Precise:
+    block = forms()[name].build(EXACT, 1, reach)
+    assert isinstance(block, Precise)
+    return block
+
+
+def tanh_units() -> np.ndarray:
+    """tanh of every code in units of 2**-13, with an error of less than 2**-38 of a unit."""
+    return np.tanh(FMT.to_real(EVERY)) * 8192
+
+
+@pytest.mark.parametrize("name", ROUNDED)
+def test_how_many_codes_are_not_rounded_correctly(name: str) -> None:
+    """For larger q, tanh lies between the largest code and 1, so the error is up to a unit."""
+    exact, results = tanh_units(), build(name).process(EVERY)
+    nearest = np.minimum(np.floor(np.abs(exact) + 0.5), SIGNAL.high) * np.sign(exact)
+    # No tanh is so near to half a unit that its last bits could change which code is the nearest.
+    assert np.abs(np.abs(exact) % 1 - 0.5).min() > 2**-34
+    wrong, largest = ROUNDED[name]
+    assert int((results != nearest).sum()) == wrong
+    error = np.abs(results - exact)[np.abs(results) < SIGNAL.high].max()
+    assert error == pytest.approx(largest, abs=5e-4)
+    assert (np.diff(results) >= 0).all()
+
+
+# How many codes are not the nearest to tanh, and the largest error in units of 2**-13.
+TRUNCATED = {"block_ram": (23416, 0.708), "logic": (90322, 4.497)}
+
+
+def built(memory: str, reach: int = FMT.high) -> Bipartite:
+    block = SCHEMES["bipartite"].configured({"memory": memory}).build(EXACT, 1, reach)
+    assert isinstance(block, Bipartite)
+    return block
+
+
+def middle_units() -> np.ndarray:
+    """tanh of the middle of every step, in codes of r, with an error below 2**-37 of a code."""
+    return np.tanh((EVERY + 0.5) * 2.0**-14) * 16384
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+def test_error_and_wrong_codes_are_those_of_the_page(memory: str) -> None:
+    results = built(memory).process(EVERY)
+    exact = middle_units()
+    # No tanh is so near to a whole code that its last bits could change which code is the nearest.
+    assert np.abs(exact - np.rint(exact)).min() > 2**-34
+    wrong, bound = TRUNCATED[memory]
+    assert int((results != np.floor(exact)).sum()) == wrong
+    assert bound - 0.001 < np.abs(results + 0.5 - exact).max() / 2 < bound
+    assert (np.diff(results) >= 0).all()
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+@pytest.mark.parametrize("width", [16, 18, 20])
+def test_a_wider_q_saturates_and_a_narrower_one_is_the_same(memory: str, width: int) -> None:
+    whole = built(memory)
+    other = whole.taking(width)
+    fmt = Fix(width, FMT.frac)
+    codes = np.arange(fmt.low, fmt.high + 1)
+    assert other.in_fmt == fmt
+    assert np.array_equal(other.process(codes), whole.process(np.clip(codes, FMT.low, FMT.high)))
+
+
+WIDTHS = (7, 8, 9)
+HIDDEN_CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
+# The number of fraction bits of the reference.
+FRAC = 40
+
+
+def table_results(width: int) -> Codes:
+    """tanh of every code from intercept and slope of its segment, exact and then rounded once."""
+    table = tanh_table(width)
+    segment = np.minimum(
+        np.where(HIDDEN_CODES < 0, ~HIDDEN_CODES, HIDDEN_CODES) >> width, len(table.slopes) - 1
+    )
+    middle = np.where(HIDDEN_CODES < 0, -1, 1) * np.array(table.intercepts)[segment]
+    distance = (HIDDEN_CODES & ((1 << width) - 1)) - (1 << (width - 1))
+    total = (middle << DROPPED) + np.array(table.slopes)[segment] * distance
+    return np.clip((total + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
+
+
+@pytest.fixture(scope="module")
+def floors() -> Codes:
+    """The floor of tanh 2**FRAC for every code from 0 on, and for one more."""
+    return tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(HIDDEN_CODES) // 2 + 1, FRAC)
+
+
+def table_errors(width: int, floors: Codes) -> Codes:
+    """The distance of each result from tanh, in codes of FRAC fraction bits, to within one code."""
+    exact = np.where(HIDDEN_CODES < 0, -floors[np.abs(HIDDEN_CODES)], floors[np.abs(HIDDEN_CODES)])
+    return np.abs((table_results(width) << (FRAC - RESULT.frac)) - exact)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_table_is_within_one_unit_of_a_signal_monotone_and_odd(width: int, floors: Codes) -> None:
+    found = table_results(width)
+    assert table_errors(width, floors).max() < 1 << (FRAC - SIGNAL.frac)
+    assert (np.diff(found) >= 0).all()
+    assert np.array_equal(found[1:], -found[:0:-1])
+
+
+@pytest.mark.parametrize("width", [6, 10])
+def test_another_width_is_refused(width: int) -> None:
+    with pytest.raises(InputError, match=f"segment_width: got {width}, expected one of 7, 8, 9"):
+        tanh_table(width)

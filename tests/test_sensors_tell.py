@@ -143,8 +143,3 @@ def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None
     assert table
     assert [row[0] for row in table.rows] == ["none", "dead", *SENSORS, "all"]
     assert "dead: tells nothing, take it out" in table.note
-
-
-def test_a_past_sample_goes_with_its_sensor() -> None:
-    past = recording_of(load_scene("swing-window"))
-    assert len(past.sensors) == past.readings.shape[1] > len(past.names)

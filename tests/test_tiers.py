@@ -1,16 +1,12 @@
 """Tests the two tiers of make test: it counts what ALL=1 adds, and an empty selection fails."""
 
 import os
-import platform
 import re
 import subprocess
 import sys
-from importlib.metadata import version
 
 import pytest
 
-from tactus.core import machine
-from tactus.verify.benches import tools
 from tactus.verify.benches.collected import ROOT
 
 # A test of the second tier that takes less than a second.
@@ -54,19 +50,3 @@ def test_a_block_and_pages_are_selections_of_pytest() -> None:
     assert "pytest -k comparator_bank and not test_site" in chosen("--block=comparator_bank")
     assert re.search(r"pytest -m pages .*tests/test_pages\.py", chosen("--pages"))
     assert "did you mean 'comparator_bank'" in chosen("--block=comparater_bank")
-
-
-NAMES = ["processor", "instructions", "system", "versions", "took"]
-
-
-def test_the_lines_name_what_is_here() -> None:
-    lines = machine.closing(61.7, **tools.simulator_versions())
-    assert [line.split()[0] for line in lines] == NAMES
-    text = "\n".join(lines)
-    assert platform.machine() in text
-    assert f"{os.cpu_count()} core" in text
-    for name in ("tactus", "numpy", "scipy", "myhdl", "cocotb"):
-        assert f"{name} {version(name)}" in text
-    assert f"python {platform.python_version()}" in text
-    assert re.search(r"ghdl (\d+\.\d+\S*|none), icarus (\d+\.\d+\S*|none)$", text, re.M)
-    assert re.search(r"^took +62 s$", text, re.M)

@@ -19,14 +19,14 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import tanh
 from tactus.cli import train as command
-from tactus.network_files.network_file import provenance_path, save_network
+from tactus.network_files.network_file import provenance_path
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
 from tactus.train.candidate_runs import computed_on, continued
 from tactus.train.descents import OPTIMISERS, minimise
 from tactus.train.objective import Objective, Rows
 from tactus.train.search import Result, Stages, candidates, measure, train
-from tactus.train.split import split_of, split_rows
+from tactus.train.split import split_of
 from tactus.train.task import (
     LEAST_ROWS,
     PARTS,
@@ -68,16 +68,10 @@ def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
     assert any(error(start) < 2e-3 for start in range(1, 6))
 
 
-def test_scg_on_the_rosenbrock_valley_and_beyond_a_pole() -> None:
-    def rosenbrock(x):
-        a, b = 1 - x[0], x[1] - x[0] ** 2
-        gradient = np.array([-2 * a - 400 * x[0] * b, 200 * b])
-        return float(a * a + 100 * b * b), gradient
-
-    assert np.allclose(minimise(rosenbrock, np.array([-1.2, 1.0]), 5000), [1, 1], atol=1e-4)
+def test_scg_beyond_a_pole() -> None:
+    """The function is NaN beyond 1. A step that lands there must be refused."""
 
     def walled(x):
-        """A function that is NaN beyond 1. A step that lands there must be refused."""
         with np.errstate(invalid="ignore"):
             return float(-np.log(1 - x[0]) - 3 * x[0]), np.array([1 / (1 - x[0]) - 3])
 
@@ -109,16 +103,6 @@ def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
     assert not np.array_equal(goal.best, errors[-1][1]), "the data do not overfit: no proof"
 
 
-def test_the_split_is_50_25_25_and_covers_every_row() -> None:
-    split = split_rows(143, 1)
-    parts = (split.training, split.validation, split.test)
-    assert [len(p) for p in parts] == [71, 35, 37]
-    assert sorted(np.concatenate(parts)) == list(range(143))
-    assert not np.array_equal(split.training, split_rows(143, 2).training)
-    with pytest.raises(InputError, match="got 7 rows, expected at least 8"):
-        split_rows(7, 1)
-
-
 def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> None:
     def weights(scene: Scene, hidden: int, restart: int):
         return packed(train(task_for(scene, scene.vectors(), []), (hidden,), restart))
@@ -143,20 +127,6 @@ def test_every_activation_can_be_trained(small_scene: Scene, activation: str) ->
     assert np.abs(results - exact).max() < 0.002 + 0.03 * np.abs(mlp.w2).sum(axis=1).max()
     spread = np.abs(results - vectors.targets).mean()
     assert spread < np.abs(vectors.targets - vectors.targets.mean(axis=0)).mean()
-
-
-def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
-    text = small_scene.path.read_text()
-    small_scene.path.write_text(text.replace("hidden = 5\n", ""))
-    scene = load_scene(str(small_scene.path))
-    (member,) = scene.members
-    assert member.hidden == 0
-    assert member.load().shape == (3, 5, 2)
-    save_network(member.weights_path, random_mlp((3, 7, 2), 1.0, 1), {})
-    assert member.load().shape == (3, 7, 2)
-    save_network(member.weights_path, random_mlp((4, 7, 2), 1.0, 1), {})
-    with pytest.raises(InputError, match=r"w1: got shape \(7, 4\), expected \(7, 3\)"):
-        member.load()
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -264,22 +234,12 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
         assert abs(moved.mean()) < 0.2
 
 
-def noisy_digit(**settings) -> Scene:
-    scene = disturbed(load_scene("digit"), noise=0.002)
-    members = (scene.members[0],)
-    training = replace(
-        scene.training,
-        split="blocks",
-        split_by=("load", "width", "shape"),
-        steps=30,
-        **({"refit": False} | settings),
-    )
-    return replace(scene, members=members, training=training)
-
-
 def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkeypatch) -> None:
     """If their targets are replaced, only the written network may change."""
-    scene = noisy_digit(refit=True)
+    scene = disturbed(load_scene("digit"), noise=0.002)
+    split_by = ("load", "width", "shape")
+    training = replace(scene.training, split="blocks", split_by=split_by, steps=30, refit=True)
+    scene = replace(scene, members=(scene.members[0],), training=training)
     stages = Stages(scene)
     stages.add((5,), 0)
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
@@ -346,21 +306,6 @@ def test_a_cascade_is_written_whole_or_not_at_all(
     assert [path.read_bytes() for path in small_cascade.weights_paths] == before
 
 
-def test_what_is_stated_is_what_the_written_network_does(
-    small_scene: Scene, tmp_path: Path, monkeypatch
-) -> None:
-    """A candidate that another processor has measured has other errors here."""
-    monkeypatch.setattr(command, "choose", lambda *_: (Result((5,), 1, 0.5, 0.5), 0))
-    command.train_scene(small_scene, tmp_path, 1)
-    (member,) = small_scene.members
-    task = task_for(small_scene, small_scene.vectors(), [])
-    provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
-    parts = (task.validation, task.test)
-    errors = [round(bit_true_error(task, member.load(), part), 4) for part in parts]
-    assert 0.5 not in errors
-    assert [provenance[f"{part}_rms_percent"] for part in ("validation", "test")] == errors
-
-
 def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
     """The results of 3 sizes with 2 starts each."""
     members = (replace(scene.members[0], hidden=0),)
@@ -412,11 +357,9 @@ def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
     [
         (lambda taken: None, "nothing within 1 s"),
         (lambda taken: taken.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n"), "what .* another proto"),
-        (lambda taken: taken.sendall(bytes(4000)), "what answers there speaks another protocol"),
-        (lambda taken: taken.sendall(bytes(range(256))), "what answers there speaks another"),
         (lambda taken: taken.close(), "(nothing within|Timed out|in <TCP)"),
     ],
-    ids=["silent", "http", "zeros", "bytes", "closed"],
+    ids=["silent", "http", "closed"],
 )
 def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
     answer: Callable[[socket.socket], object], reason: str, capfd: pytest.CaptureFixture
