@@ -30,7 +30,7 @@ from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from golden.numbers.transcendental import tanh_floors
 from tactus.report.activations import plot_file
 from tactus.report.measure.activation_errors import FACTORS
-from tactus.report.measure.table import Table, read_csv, rows_of
+from tactus.report.measure.table import Table, read_csv
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
@@ -192,6 +192,11 @@ def table(folder: Path) -> Table:
     written = json.loads((folder / "activations" / "errors.json").read_text())
     assert set(written.pop("versions")) == {"python", "numpy", "matplotlib"}
     return Table("activation_errors", **written)
+
+
+def rows_of(table: Table, **wanted: str) -> list[dict]:
+    rows = (dict(zip(table.columns, row, strict=True)) for row in table.rows)
+    return [row for row in rows if wanted.items() <= row.items()]
 
 
 def test_every_form_is_measured_in_all_its_precisions(table: Table) -> None:
