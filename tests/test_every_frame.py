@@ -26,7 +26,7 @@ from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
 from tactus.verify.every_frame.netlist import read_verilog
 from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tactus.verify.every_frame.specify import description
-from tactus.verify.every_frame.sums import Curve, Space, Sum, UnsupportedError, Value, Word
+from tactus.verify.every_frame.sums import Curve, Space, Sum, UnsupportedError, Value, Word, ends
 from tactus.verify.every_frame.unrolled import Unrolled
 from tactus.verify.every_frame.values import Values
 from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
@@ -343,6 +343,7 @@ def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
         assert isinstance(v, Sum)
         assert v.ends[0] <= n.min()
         assert n.max() <= v.ends[1]
+    assert [space.negative(n) for n in (-1, 0, 1)] == [1, 0, 0]
     for k in range(1, 5):
         for v, n in zip(values, numbers, strict=True):
             with suppress(UnsupportedError):
@@ -414,6 +415,25 @@ def test_cells_are_what_icarus_computes(tmp_path: Path) -> None:
         for k, (y, term) in enumerate(zip(outs, terms, strict=True)):
             found = now.value(values.number(run.out(y), 6, False))
             assert np.array_equal(found, expected[b, :, k]), (term, b)
+
+
+@pytest.mark.parametrize("words", [3, 4])
+def test_a_word_that_nothing_has_set_is_not_read(words: int, tmp_path: Path) -> None:
+    """Behind the last word of a memory, or in it."""
+    (tmp_path / "top.v").write_text(
+        f"module top(input [1:0] a, output [3:0] y); reg [3:0] m [0:{words - 1}];\n"
+        "initial begin m[0] = 5; m[1] = 6; m[2] = 7; end assign y = m[a];\nendmodule\n"
+    )
+    netlist = read_verilog([tmp_path / "top.v"], "top", yosys)
+
+    def read(last: int) -> Value:
+        run, space = Unrolled(netlist), Space()
+        run.step({"a": run.sample("a", 2)})
+        return Values(space, {"a": space.sample("a", 0, last)}).number(run.out("y"), 4, False)
+
+    assert ends(read(2)) == (5, 7)
+    with pytest.raises(UnsupportedError, match="that nothing has set"):
+        read(3)
 
 
 def test_a_frame_is_found_where_one_code_differs() -> None:
