@@ -26,7 +26,16 @@ from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
 from tactus.verify.every_frame.netlist import read_verilog
 from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tactus.verify.every_frame.specify import description
-from tactus.verify.every_frame.sums import Curve, Space, Sum, UnsupportedError, Value, Word, ends
+from tactus.verify.every_frame.sums import (
+    Curve,
+    Space,
+    Sum,
+    UnsupportedError,
+    Value,
+    Word,
+    curve,
+    ends,
+)
 from tactus.verify.every_frame.unrolled import Unrolled
 from tactus.verify.every_frame.values import Values
 from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
@@ -379,6 +388,20 @@ def test_a_function_is_as_far_from_its_line_as_it_says(bits: int) -> None:
             apart = [(int(v) << scale) - slope * k for k, v in enumerate(made.values)]
             assert least <= min(apart)
             assert max(apart) <= most
+
+
+def test_the_shortest_form_is_the_same_function() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(5000):
+        high = int(rng.integers(0, 9))
+        first, last = sorted(rng.integers(0, high + 1, 2).tolist())
+        slope, left, right = rng.integers(-2, 3, 3).tolist()
+        values = np.arange(last - first + 1) * slope + rng.integers(-9, 9)
+        values[rng.integers(len(values)) :] += rng.integers(0, 2)
+        word = Word(1, "x", 0, high)
+        made, start = curve(word, first, values, left, right)
+        found = start + (made.at(0, high) if made else np.zeros(high + 1, dtype=np.int64))
+        assert np.array_equal(found, Curve(word, first, values, left, right).at(0, high))
 
 
 def test_cells_are_what_icarus_computes(tmp_path: Path) -> None:
