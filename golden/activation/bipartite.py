@@ -43,7 +43,7 @@ class Bipartite(ActivationBlock):
     The sum is exact and never overflows. The function is monotone and, in terms of its codes, odd:
     the result of a complement is the complement of the result.
 
-    Over all 262144 codes of Fix(18,14) (tests/test_precise.py): with "block_ram" every result is
+    Over all 262144 codes of Fix(18,14) (tests/test_schemes.py): with "block_ram" every result is
     within 0.708 units of 2**-13 of tanh(q), and 23416 results are not the nearest code. With
     "logic" these figures are 4.497 units and 90322 results.
 

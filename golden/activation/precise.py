@@ -37,7 +37,7 @@ class Precise(OddActivation):
 
     Sum and product are exact; half a unit is part of the intercept. The function is odd and
     monotone. Over all 262144 codes every result is within one unit of 2**-13 of tanh(q)
-    (tests/test_precise.py). Of these results 12770 are not the nearest code with "logic", and 452
+    (tests/test_schemes.py). Of these results 12770 are not the nearest code with "logic", and 452
     with "block_ram". ``|-8|`` saturates.
 
     A magnitude beyond the words that are kept uses the last of them, and its result may wrap; the
