@@ -184,13 +184,15 @@ def test_the_wheel_has_every_kind_of_file() -> None:
 
 def required(name: str) -> set[str]:
     """The distributions that one requires here without any extra, and what those require."""
-    found, due = set(), {name}
+    found, due = set[tuple[str, str]](), {(name, "")}
     while due:
-        wanted = map(Requirement, requires(due.pop()) or [])
-        names = {r.name for r in wanted if r.marker is None or r.marker.evaluate({"extra": ""})}
-        due |= names - found
-        found |= names
-    return found
+        one, extra = due.pop()
+        found.add((one, extra))
+        for r in map(Requirement, requires(one) or []):
+            if r.marker is None or r.marker.evaluate({"extra": extra}):
+                due |= {(r.name, e) for e in ("", *r.extras)} - found
+    found.remove((name, ""))
+    return {one for one, _ in found}
 
 
 @pytest.mark.all_only

@@ -20,7 +20,7 @@ from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 # A memory that becomes a block RAM, and a block that nextpnr places in a few seconds.
-SMALL, SMALL_ROUTED = "bipartite_pair", "output_controller"
+SMALL, SMALL_ROUTED = "bipartite_pair", "scan_sequencer"
 
 
 # One block for each family. make sim NETLIST= runs all, and its records are compared with the
