@@ -353,6 +353,7 @@ def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
         assert v.ends[0] <= n.min()
         assert n.max() <= v.ends[1]
     assert [space.negative(n) for n in (-1, 0, 1)] == [1, 0, 0]
+    assert values[0] * 0 == 0
     for k in range(1, 5):
         for v, n in zip(values, numbers, strict=True):
             with suppress(UnsupportedError):
