@@ -11,10 +11,15 @@ from golden.numbers.precision import SIGNAL
 from tb.common.at_once import check, random_frames
 from tb.common.bench import Bench
 from tb.common.case_library import TABLE_GRAPHS
-from tb.common.properties import Property
 from tb.common.stimulus import corner_frames
 from tb.common.watch import pipeline
-from tb.networks.tb_adder_graph import recorded, reset_at_every_clock, resets_among_frames, winner
+from tb.networks.tb_adder_graph import (
+    every_frame_is_right,
+    recorded,
+    reset_at_every_clock,
+    resets_among_frames,
+    winner,
+)
 
 __all__ = ["recorded", "reset_at_every_clock", "resets_among_frames"]
 
@@ -56,12 +61,5 @@ def properties(twin):
     return [
         pipeline(twin, broken),
         *([winner(twin)] if twin.argmax else []),
-        Property(
-            name="frame_error",
-            sentence="frame_error is never high.",
-            states=("!frame_error",),
-            reached=("out_valid",),
-            refuted_by=((r"frame_error <= 1'b0", "frame_error <= in_valid"),),
-            clocks=twin.latency + 2,
-        ),
+        every_frame_is_right(twin),
     ]
