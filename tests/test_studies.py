@@ -26,12 +26,7 @@ from tactus.scene import load_scene
 TRAIN = {"halved_search", "learned_functions", "on_line_learning"}
 NOT_BEGUN = {"judge", "peers", "stability", *TRAIN}
 # Studies that bring data of others.
-BRING = {
-    "beans": beans.DATA,
-    "drift": drift.DATA,
-    "gripper": gripper.TEST,
-    "halved_search": gripper.DATA,
-}
+BRING = {"beans": beans.DATA, "drift": drift.DATA, "gripper": gripper.TEST}
 # Of floating point on another processor.
 ROUNDING = 0.1
 

@@ -11,7 +11,7 @@ from tactus.scene import load_scene
 from tactus.train.search import Stages
 from tactus.train.split import scaled
 
-# More than twice as few would take hours, and no small network was ever the best.
+# All candidates would take nearly twice as long, and no smaller network was the best of any output.
 LEAST_NODES = 8
 
 
