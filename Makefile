@@ -42,6 +42,9 @@ help docs pages lint clean tools browser ready: named
 named:
 	@! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named
 
+.DEFAULT:
+	@echo "error: make $$GOALS: no such target; make lists them" >&2; exit 2
+
 # What is wanted, and of whom, is said once, in tactus/core/commands.py, which needs no environment for this.
 help:
 	@"$$PYTHON" -m tactus.cli.commands help
