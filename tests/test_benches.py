@@ -27,8 +27,7 @@ NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
-    *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),
-    *("winner-past", "wide-uart", "winner-converter"),
+    *("slow-axis-cascade", "axis-multiple", "few-past", "winner-past"),
     *("least-graph", "layers-reload", "exact-reload"),
 )
 

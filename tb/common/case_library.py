@@ -562,19 +562,12 @@ LEARN_UART = replace(
 )
 # The largest output in packets, before the point of a profile.
 WINNER_UART = replace(UART, hardware="clock_mhz = 4.0\nargmax = true")
-# For the whole top: the first case, whose image takes thousands of clocks; one without an image;
-# one with room for other images; the second case; an engine that learns; and lanes with past
-# samples.
+# For the whole top: the first case, whose image takes thousands of clocks; high profiles; one
+# without an image; an engine that learns; and lanes with past samples.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
     # With these weights the profiles are high and deep.
     "drawn-uart": replace(UART, hardware="clock_mhz = 4.0", spread=4.0, seed=15),
-    "wide-uart": replace(
-        UART,
-        hardware='clock_mhz = 4.0\nreload = true\npipeline = "deep"\nprogram_words = 1024\n'
-        "operand_words = 256",
-        sections=_LINE,
-    ),
     "plain-uart": PLAIN_UART,
     "learn-uart": LEARN_UART,
     "past-uart": replace(
