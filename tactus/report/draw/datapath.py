@@ -54,7 +54,7 @@ def datapath(scene: Scene) -> str:
 @cache
 def _graphviz() -> WasmtimeBackend:
     """Graphviz, which takes a second to begin."""
-    # What Python itself ends, behind the modules that it needs, complains.
+    # If it lived until Python takes its modules down, its end would print an exception.
     atexit.register(_graphviz.cache_clear)
     return WasmtimeBackend()
 
