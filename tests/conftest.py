@@ -70,11 +70,28 @@ def refuse_missing(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Skip the tests of the other tier, so that the summary counts them."""
+    """Skip the tests of the other tier, so that the summary counts them, or begin with these.
+
+    They take longest. Each worker is dealt as many tests as the others, in this order, and one that
+    has none left takes from the end of another's. So each begins with its part of the long tests:
+    certificates, of which one takes minutes, before the others, of which neighbours share exports.
+    """
+    long = [item for item in items if item.get_closest_marker("all_only")]
     if not config.getoption("--all"):
-        for item in items:
-            if item.get_closest_marker("all_only"):
-                item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+        for item in long:
+            item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+        return
+    first = [item for item in long if item.path.stem == "test_certify"]
+    long = [item for item in long if item not in first]
+    rest = [item for item in items if not item.get_closest_marker("all_only")]
+    workers, count = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), len(items)
+    items.clear()
+    for n in range(workers):
+        items += first[n::workers]
+        items += long[n * len(long) // workers : (n + 1) * len(long) // workers]
+        end = (n + 1) * count // workers
+        rest, taken = rest[max(0, end - len(items)) :], rest[: max(0, end - len(items))]
+        items += taken
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
