@@ -61,9 +61,7 @@ def test_a_command_replaces_its_own_file_and_others_by_force(desk: Desk, words: 
     assert desk.call(*words.split(), name) == (0, "")
 
 
-def test_training_replaces_only_its_own_networks(
-    desk: Desk, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_training_replaces_only_its_own_networks(desk: Desk, monkeypatch) -> None:
     monkeypatch.setenv("DRY", "1")
     assert desk.call("train", "mine.toml") == (0, "")
     (desk.folder / "mine.provenance.toml").unlink()

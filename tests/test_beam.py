@@ -155,9 +155,7 @@ def test_the_best_is_that_of_all_pairs(rig: GaugeRig, objective: str) -> None:
     assert placing.score(placing.errors(placing.best())) <= min(score for score, _ in pairs)
 
 
-def test_the_command_prints_and_writes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_prints_and_writes(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.setattr("sys.argv", ["make sensors", "digit", "--build", str(tmp_path)])
     gauges.main()
     printed = capsys.readouterr().out

@@ -90,9 +90,7 @@ def check_clocks(outcomes: list[Outcome]) -> None:
 
 
 @pytest.mark.parametrize(("block", "case"), PAIRS)
-def test_hardware_equals_twin(
-    shared: Shared, block: str, case: str, request: pytest.FixtureRequest
-) -> None:
+def test_hardware_equals_twin(shared: Shared, block: str, case: str, request) -> None:
     # Whoever works on one block sees it in both.
     every = request.config.getoption("all") or request.config.getoption("keyword")
     both = tuple(SIMULATORS)

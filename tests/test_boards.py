@@ -210,9 +210,7 @@ def built(scene: Scene, board: Board, folder: Path) -> tuple[bytes, Report]:
 
 @pytest.mark.all_only
 @pytest.mark.parametrize(("name", "board"), SHIPPED)
-def test_the_same_bytes_twice(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, board: str
-) -> None:
+def test_the_same_bytes_twice(tmp_path: Path, monkeypatch, name: str, board: str) -> None:
     """The tools run twice, and the design takes the recorded resources."""
     scene, target = load_scene(name), load_board(board)
     found = []

@@ -321,7 +321,7 @@ def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:
 
 
 def test_a_tool_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
-    copied: Path, capfd: pytest.CaptureFixture
+    copied: Path, capfd
 ) -> None:
     endless = tool(copied, "while :; do :; done")
     capfd.readouterr()

@@ -183,7 +183,7 @@ def test_a_disk_without_room_is_one_line(disk: tuple[Path, Callable], words: str
 
 
 def test_what_tools_leave_out_for_want_of_room_is_no_fault_of_the_hardware(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch
 ) -> None:
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     scene = load_scene(str(tmp_path / "mine.toml"))

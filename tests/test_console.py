@@ -95,11 +95,7 @@ def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     ],
 )
 def test_a_wrong_command_line_is_one_message(
-    words: list[str],
-    message: str,
-    started: list[list[str]],
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
+    words: list[str], message: str, started: list[list[str]], monkeypatch, capfd
 ) -> None:
     assert called(monkeypatch, *words) == 2
     out, said = capfd.readouterr()
@@ -108,9 +104,7 @@ def test_a_wrong_command_line_is_one_message(
     assert not started
 
 
-def test_alone_it_lists_its_commands(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
+def test_alone_it_lists_its_commands(monkeypatch, capfd) -> None:
     assert called(monkeypatch) == 0
     # click would use another width in a test.
     assert capfd.readouterr().out.split() == invoke("--help").output.split()
@@ -150,7 +144,7 @@ def test_what_pip_has_installed_is_not_written(installed: Path, tmp_path: Path) 
 
 
 def test_a_scene_that_pip_has_installed_has_no_fault(
-    small_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small_scene: Scene, tmp_path: Path, monkeypatch
 ) -> None:
     monkeypatch.setattr("tactus.rig.check.is_installed", lambda _: True)
     found = everything(small_scene, tmp_path / "build")
@@ -160,11 +154,7 @@ def test_a_scene_that_pip_has_installed_has_no_fault(
 
 @pytest.mark.parametrize("words", [["prove"], ["sim", "digit"], ["synth", "digit"]])
 def test_records_belong_to_a_checkout(
-    words: list[str],
-    installed: Path,
-    started: list[list[str]],
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
+    words: list[str], installed: Path, started: list[list[str]], monkeypatch, capfd
 ) -> None:
     assert called(monkeypatch, *words, "--record") == 2
     assert capfd.readouterr().err.startswith("error: --record: the records of blocks, ")

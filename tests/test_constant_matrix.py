@@ -70,9 +70,7 @@ def some_frames(matrix: ConstantMatrix) -> np.ndarray:
     return np.concatenate([ends, random])
 
 
-def test_a_graph_of_a_large_matrix_is_kept(
-    own_store: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_graph_of_a_large_matrix_is_kept(own_store: Path, monkeypatch) -> None:
     weights = tuple(tuple(4 * i + j + 1 for j in range(4)) for i in range(8))
     large = ConstantMatrix(SAMPLES, WIDE, weights, (0,) * 8, 6, 1, 4)
     assert sum(map(len, weights)) == kept_graph.LEAST_WEIGHTS

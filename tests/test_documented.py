@@ -67,9 +67,7 @@ def call(item: Documented, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int
 
 
 @pytest.mark.parametrize("item", FOUND, ids=lambda item: item.text)
-def test_a_documented_command_works(
-    item: Documented, place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
+def test_a_documented_command_works(item: Documented, place: Path, monkeypatch, capfd) -> None:
     where = f"{item.page.relative_to(ROOT)}: {item.text}"
     if item.words[0] in FRONT_DOORS:
         assert item.command, f"{where}: no such command"

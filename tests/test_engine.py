@@ -11,12 +11,7 @@ from conftest import on_engine, random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.engine.formats import (
-    HIDDEN,
-    SAMPLE,
-    WIDTH,
-    coeff_frac,
-)
+from golden.engine.formats import HIDDEN, SAMPLE, WIDTH, coeff_frac
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.integer_network import evaluate

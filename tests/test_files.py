@@ -9,13 +9,7 @@ import pytest
 
 from golden.input_error import InputError
 from tactus.core import store
-from tactus.core.files import (
-    check_writable,
-    replace_file,
-    replace_files,
-    replace_folder,
-    same_file,
-)
+from tactus.core.files import check_writable, replace_file, replace_files, replace_folder, same_file
 
 
 @contextmanager

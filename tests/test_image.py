@@ -326,9 +326,7 @@ def test_hardware_without_relu_is_named() -> None:
     ("lanes", "words", "note"),
     [(1, 1536, "node 1 sum = 1"), (3, 2560, "node 1 sum: 1 and node 2 sum: 1")],
 )
-def test_make_image(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys, lanes: int, words: int, note: str
-) -> None:
+def test_make_image(tmp_path: Path, monkeypatch, capsys, lanes: int, words: int, note: str) -> None:
     hardware = reloadable("digit", tmp_path, LANE_KEYS[lanes])
     given = ["swing-single", "--hardware", str(hardware.path), "--build", str(tmp_path)]
     monkeypatch.setattr("sys.argv", ["image", *given])

@@ -227,9 +227,7 @@ def test_the_largest_output_is_told_by_name(scene: Scene, tmp_path: Path) -> Non
     assert Still(scene).monitor.state()["decision"] == []
 
 
-def test_a_recording_replaces_nothing_and_holds_whole_rows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recording_replaces_nothing_and_holds_whole_rows(tmp_path: Path, monkeypatch) -> None:
     path = tmp_path / "there.csv"
     path.write_text("mine")
     with pytest.raises(InputError, match="is there already; choose another name with TO="):
@@ -384,7 +382,7 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
 
 
 def test_the_command_ends_with_what_it_saw(
-    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+    scene: Scene, tmp_path: Path, monkeypatch, capfd
 ) -> None:
     with TwinBoard(scene, 200.0) as simulated:
         words = [

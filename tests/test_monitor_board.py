@@ -107,11 +107,7 @@ def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
 
 
 def test_placements_of_a_list_become_a_recording(
-    hardware: Scene,
-    simulated: TwinBoard,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
+    hardware: Scene, simulated: TwinBoard, tmp_path: Path, monkeypatch, capfd
 ) -> None:
     """Each row is the mean of the readings at a placement, and the labels are copied."""
     labels, to = tmp_path / "labels.csv", tmp_path / "mine.csv"
@@ -155,13 +151,7 @@ def test_placements_of_a_list_become_a_recording(
     ],
 )
 def test_an_input_that_ends_early_is_no_success(
-    simulated: TwinBoard,
-    desk: Desk,
-    monkeypatch: pytest.MonkeyPatch,
-    labels: str,
-    typed: str,
-    said: str,
-    rows: int,
+    simulated: TwinBoard, desk: Desk, monkeypatch, labels: str, typed: str, said: str, rows: int
 ) -> None:
     """The recorded rows are kept."""
     (desk.folder / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")

@@ -23,9 +23,7 @@ from tactus.scene.image import scene_image
 HARDWARE = "digit-board"
 
 
-def test_from_placements_to_a_network_on_the_board(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
+def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, capfd) -> None:
     """The loop runs on a board of twins, and only uses the port, files and commands."""
     hardware = load_scene(HARDWARE)
     core, recorded = hardware.twin().core, hardware.vectors()
@@ -77,9 +75,7 @@ def test_from_placements_to_a_network_on_the_board(
     assert abs(shown[0] - 900) < 100
 
 
-def test_a_recording_without_a_sensor_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
+def test_a_recording_without_a_sensor_is_refused(tmp_path: Path, monkeypatch, capfd) -> None:
     """A sensor that never moved is left out, and the board would read another in its place."""
     rows = ["sensor1,sensor2,sensor3,sensor4,load"]
     rows += [f"{n**0.5 / 6},{n * n / 1000},0.5,{(n % 7) / 9},{n}" for n in range(30)]

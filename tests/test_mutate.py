@@ -131,9 +131,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return asked
 
 
-def test_a_verdict_of_the_bench_is_of_all_that_enters_it(
-    small: Subject, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_verdict_of_the_bench_is_of_all_that_enters_it(small: Subject, monkeypatch) -> None:
     asked: list[store.Key] = []
     monkeypatch.setattr(store, "cached", lambda key, work: asked.append(key) or True)
     for job in (small.job, replace(small.job, seed=2), replace(small.job, frames=7)):
@@ -235,9 +233,7 @@ def test_a_part_that_is_there_twice_is_mutated_and_proved_with_its_block(tmp_pat
 
 
 @pytest.mark.all_only
-def test_a_selection_that_yosys_takes_out_is_an_error(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_selection_that_yosys_takes_out_is_an_error(tmp_path: Path, monkeypatch) -> None:
     """A mutant of which the selection is gone is never taken for one that nothing reads."""
     (tmp_path / "counter.v").write_text(CHANGES)
     commands = make_mutants(["counter.v"], "counter", 1, 1, tmp_path)

@@ -133,7 +133,7 @@ def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     ],
 )
 def test_a_network_that_no_program_holds_is_refused_before_it_is_quantised(
-    monkeypatch: pytest.MonkeyPatch, design: str, shape: tuple[int, ...], said: str
+    monkeypatch, design: str, shape: tuple[int, ...], said: str
 ) -> None:
     monkeypatch.setattr(DESIGNS[design], "build", lambda *_: pytest.fail("was built"))
     network = random_network(shape, ("tanh",) * (len(shape) - 2), 1.0, 1)

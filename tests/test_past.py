@@ -137,7 +137,7 @@ def test_drift_is_one_for_all_samples_of_a_sensor(past: Scene) -> None:
 
 
 def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
-    past: Scene, capfd: pytest.CaptureFixture, tmp_path: Path
+    past: Scene, capfd, tmp_path: Path
 ) -> None:
     train_scene(past, tmp_path / "build", 1)
     trained, said = load_scene(str(past.path)), capfd.readouterr().out
@@ -154,7 +154,7 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
 
 
 def test_predictions_of_rows_without_a_whole_past_are_empty(
-    trained: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+    trained: Scene, tmp_path: Path, monkeypatch, capfd
 ) -> None:
     source, to = trained.data_paths[0], tmp_path / "out.csv"
     monkeypatch.setattr("sys.argv", ["predict", str(trained.path), str(source), str(to)])

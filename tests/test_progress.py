@@ -138,9 +138,7 @@ def test_a_stage_says_that_it_is_still_there(quick: None) -> None:
 
 
 @pytest.mark.parametrize("fault", ["", "venv", "pip"])
-def test_setting_up_prints_what_pip_does(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture, fault: str
-) -> None:
+def test_setting_up_prints_what_pip_does(tmp_path: Path, monkeypatch, capfd, fault: str) -> None:
     """The Python of this test installs nothing, but prints messages."""
     python = tmp_path / "python"
     python.write_text(

@@ -99,9 +99,7 @@ def test_a_pattern_that_is_nowhere_is_an_error(rows: Job, tmp_path: Path) -> Non
         settle(rows, property_with(refuted_by=(("nowhere", ""),)), tmp_path)
 
 
-def test_a_stale_record_names_the_command(
-    rows: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stale_record_names_the_command(rows: Job, tmp_path: Path, monkeypatch) -> None:
     found = record.read_record("proof", "output_controller")
     monkeypatch.setattr(record, "RECORDS", tmp_path)
     (missing,) = check_record([rows])

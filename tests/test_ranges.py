@@ -177,7 +177,7 @@ def test_a_scene_takes_its_ranges_from_all_recorded_frames(tmp_path: Path) -> No
 
 
 def test_hidden_sums_that_saturate_in_recorded_frames_are_warned_of(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch
 ) -> None:
     """With the margin none can, so it is taken away."""
     first, *others = wide().layers
@@ -193,9 +193,7 @@ def test_hidden_sums_that_saturate_in_recorded_frames_are_warned_of(
     )
 
 
-def test_predict_counts_what_new_readings_saturate(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_predict_counts_what_new_readings_saturate(tmp_path: Path, monkeypatch, capsys) -> None:
     scene = scene_of(tmp_path, wide(), quiet(24, 60))
     new = quiet(24, 6, seed=9)
     weights = scene.networks()[0].layers[0].weights

@@ -241,9 +241,7 @@ def called(monkeypatch: pytest.MonkeyPatch, *words: object) -> None:
     main()
 
 
-def test_the_copy_has_corrected_weights_and_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, monkeypatch, capsys) -> None:
     scene = load_scene("digit")
     called(monkeypatch, scene.path, placements(tmp_path, scene), tmp_path / "to")
     copy = load_scene(str(tmp_path / "to" / "digit.toml"))
@@ -276,9 +274,7 @@ def test_the_copy_has_corrected_weights_and_says_so(
     assert np.abs(ours - theirs).mean() < 5e-4
 
 
-def test_without_placements_some_are_proposed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_placements_some_are_proposed(monkeypatch, capsys) -> None:
     called(monkeypatch, "digit")
     printed = capsys.readouterr().out
     scene, recorded = digit(0.001)
@@ -311,9 +307,7 @@ def noiseless(folder: Path) -> Path:
     return scene
 
 
-def test_noise_is_given_or_estimated_or_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, monkeypatch, capsys) -> None:
     (tmp_path / "rail").mkdir()
     scene, rng = noiseless(tmp_path / "rail"), np.random.default_rng(2)
     once = rail_file(tmp_path, touched(OWN, 0.004, 0.2, rng))
@@ -358,9 +352,7 @@ def test_what_surely_gains_nothing_is_not_written(
     assert re.search(r"^all +\d+ %$", printed, re.M)
 
 
-def test_a_placement_that_is_noted_wrongly_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_placement_that_is_noted_wrongly_is_named(tmp_path: Path, monkeypatch) -> None:
     places = np.linspace(60, 240, 7)
     touches = np.array([[force, place] for force in (12.0, 24) for place in places])
     read = touched(touches, 0.002, 0.2, np.random.default_rng(1))

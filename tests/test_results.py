@@ -375,9 +375,7 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
     assert benches.keys() - found
 
 
-def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(
-    sources: Copy, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(sources: Copy, monkeypatch) -> None:
     benches, report = sources.benches(), sources.report()
     sources.add("tb/layers/tb_output_controller.py", CODE)
     assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}

@@ -72,9 +72,7 @@ async def ends(dut):
 """
 
 
-def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
-    wire: Run, capfd: pytest.CaptureFixture
-) -> None:
+def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd) -> None:
     def shared_by_the_process() -> list[object]:
         logs = [logging.getLogger(name) for name in ("", "cocotb")]
         handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
@@ -95,7 +93,7 @@ def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
     ids=["wrong", "skipped", "ended", "without-tests"],
 )
 def test_a_bench_that_does_not_pass_is_false_and_its_log_says_why(
-    wire: Run, bench: str, said: str, capfd: pytest.CaptureFixture
+    wire: Run, bench: str, said: str, capfd
 ) -> None:
     good, log = play(wire, bench)
     assert not good
@@ -112,9 +110,7 @@ def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: Run) -> None:
     assert ENTITY in log
 
 
-def test_the_environment_is_the_given_one_alone(
-    wire: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_environment_is_the_given_one_alone(wire: Run, tmp_path: Path, monkeypatch) -> None:
     elsewhere = tmp_path / "elsewhere.xml"
     inherited = {
         "COCOTB_TEST_FILTER": "matches_nothing",
@@ -144,7 +140,7 @@ def test_waves_are_written(wire: Run) -> None:
 
 
 def test_a_job_inherits_no_variable_that_changes_a_bench(
-    shared: Shared, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    shared: Shared, tmp_path: Path, monkeypatch
 ) -> None:
     job = copied_job(shared.subject("abs_unit"), tmp_path)
     expected = run_job(job)
@@ -165,9 +161,7 @@ def imported(log: str) -> set[str]:
     return set(re.findall(r"^import time:.*\| +(\w+)", log, re.M))
 
 
-def test_a_bench_imports_nothing_heavy(
-    shared: Shared, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bench_imports_nothing_heavy(shared: Shared, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
     outcome = run_job(copied_job(shared.subject("abs_unit"), tmp_path))
     log = outcome.log.read_text(encoding="utf-8")

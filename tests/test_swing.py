@@ -17,14 +17,7 @@ from studies.stability.reference_swing import undamped_angle
 from tactus.core.table import read_table
 from tactus.physics import GRAVITY
 from tactus.physics.plate import Plate
-from tactus.physics.swing import (
-    METHODS,
-    Swing,
-    Wobble,
-    bearing_forces,
-    foot_forces,
-    swing_motion,
-)
+from tactus.physics.swing import METHODS, Swing, Wobble, bearing_forces, foot_forces, swing_motion
 from tactus.physics.swing_data import (
     ANGLES,
     COLUMNS,

@@ -16,14 +16,7 @@ from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
 from tactus.synth import budget
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
-from tactus.synth.cells import (
-    FAMILIES,
-    FLAT,
-    FLAT_FAMILY,
-    depth,
-    synthesise,
-    synthesise_flat,
-)
+from tactus.synth.cells import FAMILIES, FLAT, FLAT_FAMILY, depth, synthesise, synthesise_flat
 from tactus.synth.ecp5 import absorb
 from tactus.synth.lean import cells
 from tactus.synth.timing import OPERANDS, read_timing

@@ -362,7 +362,7 @@ def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
     ids=["silent", "http", "closed"],
 )
 def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
-    answer: Callable[[socket.socket], object], reason: str, capfd: pytest.CaptureFixture
+    answer: Callable[[socket.socket], object], reason: str, capfd
 ) -> None:
     """Otherwise it would wait for seven minutes, or try to read a message of 3.07 EiB."""
     with listening(answer) as address:
