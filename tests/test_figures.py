@@ -9,14 +9,19 @@ import pytest
 from pages import ROUNDING, cells, section, shows
 
 from golden.numbers.precision import SIGNAL
+from studies.physics.digit_data import (
+    COLUMNS,
+    RECORDED,
+    SENSORS,
+    fit_sensors,
+    loads_from_codes,
+    read_sensors,
+)
+from studies.physics.swing_data import independent_run
 from tactus.core.table import read_table
 from tactus.errors import scene_errors
 from tactus.physics.beam import Beam
-from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.gauge_places import Placing
-from tactus.physics.gauge_rig import load_rig
-from tactus.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from tactus.physics.swing_data import independent_run
+from tactus.physics.gauges import Placing, load_rig
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene, thesis_table

@@ -21,7 +21,7 @@ from scipy.sparse import csc_matrix
 
 from tactus.boards.board import FOLDER as BOARDS
 from tactus.core.finding import faults
-from tactus.physics.gauge_rig import FOLDER as RIGS
+from tactus.physics.gauges import FOLDER as RIGS
 from tactus.scene import scene_path
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of

@@ -18,8 +18,8 @@ from tactus.boards.board import FOLDER as BOARDS
 from tactus.core.finding import faults
 from tactus.core.schema import REQUIRED, Key, KeyTable, json_schema
 from tactus.network_files.network_file import provenance_path
-from tactus.physics.gauge_rig import FOLDER as RIGS
-from tactus.physics.gauge_rig import RIG
+from tactus.physics.gauges import FOLDER as RIGS
+from tactus.physics.gauges import RIG
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import (

@@ -14,10 +14,10 @@ from studies.__main__ import FOLDER, differences, finished, measured, names, rec
 from studies.beans import study as beans
 from studies.drift import study as drift
 from studies.gripper import study as gripper
+from studies.physics.plate import Plate
 from studies.stability import networks, study
 from studies.stability.case import Row
 from studies.stability.digits import deflection
-from tactus.physics.plate import Plate
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene
 

@@ -16,16 +16,16 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
-from tactus.core.table import read_table
-from tactus.physics.beam import Beam
-from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.strain_sensor import (
+from studies.physics.digit_data import (
     COLUMNS,
-    StrainSensor,
+    RECORDED,
+    SENSORS,
     fit_sensors,
     loads_from_codes,
     read_sensors,
 )
+from tactus.core.table import read_table
+from tactus.physics.beam import Beam, StrainSensor
 from tactus.recalibration.fit import fit
 from tactus.recalibration.folder import corrected
 from tactus.recalibration.outlook import proposed

@@ -16,13 +16,12 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import packed
 from golden.trained.mlp import Mlp, tanh
+from studies.physics.digit_data import COLUMNS, RECORDED, SENSORS
+from studies.physics.swing_data import CUTOFF, SCAN_RATE, Conditioning
 from studies.stability import digits
 from studies.stability.case import Row, largest
 from studies.stability.digits import DIGITS
 from tactus.core.table import read_table
-from tactus.physics.conditioning import CUTOFF, SCAN_RATE, Conditioning
-from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.strain_sensor import COLUMNS
 from tactus.recalibration.fit import Fit, fit
 from tactus.recalibration.outlook import outlook
 from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_and_slopes

@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 
 from golden.numbers.real import Real
-from tactus.physics.plate import Plate
+from studies.physics.plate import Plate
 
 DIGITS = 50
 # Terms of a series in exp(-u) are left out from this u on: they are below 1e-26 of the first.

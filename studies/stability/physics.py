@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from golden.numbers.precision import SIGNAL
-from studies.stability.case import Row, accepted, largest, worst
-from studies.stability.digits import DIGITS, deflection
-from studies.stability.reference_swing import reference_swing, undamped_angle
-from tactus.physics.beam import Beam
-from tactus.physics.conditioning import Conditioning, ReflectiveSensor
-from tactus.physics.plate import TERMS, Plate
-from tactus.physics.swing import (
+from studies.physics.plate import TERMS, Plate
+from studies.physics.swing import (
     Swing,
     bearing_forces,
     foot_forces,
     swing_motion,
 )
+from studies.physics.swing_data import Conditioning, ReflectiveSensor
+from studies.stability.case import Row, accepted, largest, worst
+from studies.stability.digits import DIGITS, deflection
+from studies.stability.reference_swing import reference_swing, undamped_angle
+from tactus.physics.beam import Beam
 
 # The damping rates of stiff swings in 1/s.
 RATES = (1e2, 1e4, 1e6)
@@ -159,7 +159,7 @@ def others() -> Iterator[Row]:
             lambda: swing_motion(Swing(), nothing, 1),
             lambda: Swing(arm=nothing),
             lambda: Plate().influence([[nothing, 0.1]], [[0.1, 0.1]]),
-            lambda: Beam().deflection(0.1, nothing, 0.1),
+            lambda: Beam(nothing),
             lambda: sensor.read([nothing], rng),
             lambda: Conditioning(1.0).convert([nothing], sensor.rest),
         ]

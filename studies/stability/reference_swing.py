@@ -17,7 +17,7 @@ from scipy.special import ellipj, ellipkm1
 
 from golden.numbers.domain import checked
 from golden.numbers.real import Real
-from tactus.physics.swing import Swing
+from studies.physics.swing import Swing
 
 WIDE = np.longdouble
 Wide = NDArray[np.floating[Any]]

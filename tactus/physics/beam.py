@@ -1,4 +1,7 @@
-"""The cantilever of the flexible digit: thesis equations 3.1 to 3.5."""
+"""The cantilever of the flexible digit with its loads and gauges: thesis equations 3.1 to 3.9.
+
+Lengths are in m, masses in kg, forces in N, and signals in V.
+"""
 
 from dataclasses import dataclass
 
@@ -7,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from golden.numbers.domain import checked
 from golden.numbers.real import Real
-from tactus.physics import GRAVITY
 
+GRAVITY = 9.80665  # m/s^2, a_g
 MOST_MASS = 1e6  # kg; the theory is linear, the bound only keeps products finite
 
 
@@ -44,42 +47,6 @@ class Beam:
     def stiffness(self) -> float:
         """Flexural rigidity E I in N m^2, I = width thickness^3 / 12."""
         return self.elastic_modulus * self.width * self.thickness**3 / 12
-
-    def _domain(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> list[Real]:
-        """Point, force and place of the load, after a check."""
-        i, d, a = checked(
-            at=(at, 0, self.length),
-            mass=(mass, 0, MOST_MASS),
-            position=(position, 0, self.length),
-        )
-        return [i, d * GRAVITY, a]
-
-    def deflection(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
-        """Deflection v in m, downwards negative (equation 3.1; 3.2 where i_B = a).
-
-        at: i_B in m from the root. The arguments are broadcast.
-        mass: D in kg, 0 to 1e6.
-        position: a in m from the root.
-        """
-        i, force, a = self._domain(at, mass, position)
-        # Both cases of the equation have the smaller of the two places squared.
-        near, far = np.minimum(i, a), np.maximum(i, a)
-        return -force * near**2 * (3 * far - near) / (6 * self.stiffness)
-
-    def slope(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
-        """Slope theta = dv/di_B (equation 3.3), with arguments and errors as in ``deflection``."""
-        i, force, a = self._domain(at, mass, position)
-        near = np.minimum(i, a)
-        return -force * near * (2 * a - near) / (2 * self.stiffness)
-
-    def moment(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
-        """Bending moment M_B = E I v'' in N m (equations 3.4 and 3.5): -D a_g (a - i_B) or 0.
-
-        The thesis prints 3.5 without the sign that its own 3.1 and 3.3 give, and as v'' itself,
-        although it is E I v'' according to 3.4. Arguments and errors are as in ``deflection``.
-        """
-        i, force, a = self._domain(at, mass, position)
-        return -force * np.maximum(a - i, 0)
 
 
 def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) -> Real:
@@ -129,3 +96,59 @@ def _covered(distance: ArrayLike, half_width: ArrayLike) -> tuple[Real, Real, Re
     spread = np.abs(d) < h
     r = (np.divide(d, h, out=np.zeros(np.broadcast_shapes(d.shape, h.shape)), where=spread) + 1) / 2
     return d, h, r
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads on the beam in SI units. The arrays are broadcast.
+
+    mass: D in kg.
+    position: a in m, from the root to the middle of the load.
+    half_width: h in m.
+    triangular: See ``mean_arm``.
+    """
+
+    mass: Real
+    position: Real
+    half_width: Real
+    triangular: Real
+
+
+@dataclass(frozen=True)
+class StrainSensor:
+    """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
+
+    gain: V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
+        reading.
+    offset: V_off in V.
+    position: In m from the root. Below 0 there can be no gauge on this beam. The formula still
+        continues there, so that a fit can show that a sensor does not read a bending moment.
+    beam: The beam; gamma is half of its thickness.
+    """
+
+    gain: float
+    offset: float
+    position: float
+    beam: Beam
+
+    def read(self, loads: Loads) -> Real:
+        """Volts for each load, not clipped."""
+        mass, arm = self._mass_and_arm(loads)
+        strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
+        return self.gain * strain + self.offset
+
+    def slopes(self, loads: Loads) -> Real:
+        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
+        mass, arm = self._mass_and_arm(loads)
+        by_position, by_half_width = arm_slopes(
+            loads.position - self.position, loads.half_width, loads.triangular
+        )
+        moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
+        per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
+        return per_moment * np.stack(moments, axis=-1)
+
+    def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:
+        mass, place = checked(
+            mass=(loads.mass, 0, MOST_MASS), position=(loads.position, 0, self.beam.length)
+        )
+        return mass, mean_arm(place - self.position, loads.half_width, loads.triangular)

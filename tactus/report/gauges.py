@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
-from tactus.physics.gauge_places import Placing
-from tactus.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
+from tactus.physics.gauges import OUTPUTS, GaugeRig, Placing, load_rig
 from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
 from tactus.report.measure.table import Cell, Table
 

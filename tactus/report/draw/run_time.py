@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tactus.errors import held_out_means, scene_errors
-from tactus.physics.digit_data import RECORDED
 from tactus.report.draw.named import Named, drawn, front
 from tactus.report.measure.networks import FAMILY, scenes
-from tactus.scene import load_scene, thesis_table
+from tactus.scene import FOLDER, load_scene, thesis_table
 from tactus.synth.budget import is_recorded, read_budget
 
 # The clocks of a scan of the thesis' front end, within which every network must finish.
@@ -51,7 +50,7 @@ def measured() -> list[Design]:
     """
     found = []
     for scene in scenes():
-        four = len(scene.outputs) == 4 and scene.data_paths == (RECORDED,)
+        four = len(scene.outputs) == 4 and scene.data_paths == (FOLDER / "data" / "appendix2.csv",)
         if not four or not is_recorded(scene.path) or scene.twin().interval >= SCAN_CLOCKS:
             continue
         design = scene.twin()

@@ -1,7 +1,15 @@
-"""A beam on which gauges are to be placed: the TOML file of ``make sensors``."""
+"""Finds the best places for gauges on a beam that the TOML file of ``make sensors`` describes.
+
+The best places make the bound of their errors small. Prior knowledge is included: load, position
+and width lie within their ranges, which counts as a reading of each with the standard deviation of
+its range. So a bound is never larger than the error of a guess, and means can be computed even over
+placements whose width no gauge measures.
+"""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +31,7 @@ from tactus.core.schema import (
     Whole,
     read_checked,
 )
-from tactus.physics.beam import Beam
-from tactus.physics.strain_sensor import Loads
+from tactus.physics.beam import Beam, Loads, StrainSensor
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
@@ -237,3 +244,144 @@ def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
     for fault, key, got, expected in faults:
         if fault:
             raise InputError(f"{path}: {key}: got {got!r}, expected {expected}")
+
+
+# The mean magnitude of a normally distributed error, as a part of its standard deviation.
+MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
+
+# The distance of the places that are tried, since nobody can glue a gauge more precisely.
+STEP = 1e-3  # m
+MOST_PLACES = 500
+
+# The least improvement, as a part of the objective. Less is only rounding, which depends on the
+# machine.
+LEAST_GAIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Placing:
+    """The bounds of a rig for any places of its gauges."""
+
+    rig: GaugeRig
+
+    @cached_property
+    def places(self) -> Real:
+        """The places in m where a gauge may be."""
+        low, high = self.rig.span
+        count = min(int((high - low) / STEP + 1e-6) + 1, MOST_PLACES)
+        return np.linspace(low, high if count == MOST_PLACES else low + STEP * (count - 1), count)
+
+    def information(self, place: float) -> Real:
+        """Information of a gauge about mass, position and half-width at each placement, (n, 3, 3).
+
+        Its amplifier is set so that the largest moment reads full scale.
+        """
+        rig = self.rig
+        unit = StrainSensor(1.0, 0.0, place, rig.beam)
+        largest = float(np.abs(unit.read(rig.placements)).max())
+        if not largest:
+            return np.zeros((len(rig.percent), 3, 3))
+        gain = rig.full_scale / largest
+        deviation = np.hypot(rig.noise, gain * rig.noise_strain)
+        slopes = unit.slopes(rig.placements) * (gain / deviation)
+        return slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
+
+    @cached_property
+    def _all(self) -> Real:
+        return np.stack([self.information(float(place)) for place in self.places])
+
+    @cached_property
+    def _beforehand(self) -> Real:
+        """The information without any gauge."""
+        rig = self.rig
+        known = np.array(rig.known)
+        spreads = np.where(known, 1.0, rig.spreads)
+        found: Real = np.diag(1 / spreads**2)
+        found[0, 0] += (1 / (rig.masses[1] * rig.cell_noise)) ** 2
+        return found
+
+    def errors_of(self, information: Real) -> Real:
+        """Bounds from the information of the gauges, (..., n, 3): mean errors in percent.
+
+        A known quantity has no error.
+        """
+        rig = self.rig
+        unknown = np.flatnonzero(~np.array(rig.known))
+        total = (information + self._beforehand)[..., unknown[:, np.newaxis], unknown]
+        # All units are scaled to the same size, so that the inverse is accurate.
+        unit = rig.spreads[unknown]
+        inverse = np.linalg.inv(total * unit[:, np.newaxis] * unit)
+        variances = np.diagonal(inverse, axis1=-2, axis2=-1)
+        found = np.zeros((*information.shape[:-2], 3))
+        deviations = np.sqrt(variances) * unit
+        found[..., unknown] = MEAN_PER_DEVIATION * deviations * rig.percent[:, unknown]
+        return found
+
+    def errors(self, places: Sequence[float]) -> Real:
+        """Bounds at each placement for gauges at the given places, (n, 3)."""
+        return self.errors_of(sum((self.information(p) for p in places), np.zeros((1, 3, 3))))
+
+    def score(self, errors: Real) -> Real:
+        """The number to minimise: mean or worst error over placements and outputs that count."""
+        counted = errors[..., [OUTPUTS.index(name) for name in self.rig.outputs]]
+        flat = counted.reshape(*counted.shape[:-2], -1)
+        return flat.mean(axis=-1) if self.rig.objective == "mean" else flat.max(axis=-1)
+
+    def best(self) -> list[float]:
+        """The best places that were found; they are the same in every run.
+
+        From several starts, each gauge in turn moves to its best place among the others, until none
+        moves any more. The starts are: one gauge after another where it helps most; evenly spread
+        gauges; and the places for comparison.
+        """
+        count = self.rig.count
+        even = np.linspace(0, len(self.places) - 1, count).round().astype(int).tolist()
+        compared = [int(np.abs(self.places - place).argmin()) for place in self.rig.compare]
+        starts = [[], *(s for s in (even, compared) if len(s) == count and self._apart(s))]
+        ends = [self._descended(start) for start in starts]
+        score, chosen = min(ends, key=lambda end: end[0])
+        if not np.isfinite(score):
+            raise InputError(
+                f"gauges.apart_mm: got {1e3 * self.rig.apart:g}, expected room for {count} gauges"
+            )
+        return [float(self.places[k]) for k in sorted(chosen)]
+
+    def _apart(self, chosen: list[int]) -> bool:
+        """Whether all gauges are far enough apart."""
+        return bool((np.diff(self.places[sorted(chosen)]) >= self.rig.apart - STEP / 1e3).all())
+
+    def _descended(self, start: list[int]) -> tuple[float, list[int]]:
+        chosen, score = list(start), np.inf
+        while len(chosen) < self.rig.count:
+            score, k = self._best_beside(chosen)
+            if not np.isfinite(score):
+                return score, chosen
+            chosen.append(k)
+        while True:
+            before = score
+            for n in range(len(chosen)):
+                others = [k for i, k in enumerate(chosen) if i != n]
+                found, k = self._best_beside(others)
+                if found < score * (1 - LEAST_GAIN):
+                    chosen[n], score = k, found
+            if not score < before * (1 - LEAST_GAIN):
+                return float(score), chosen
+
+    def _best_beside(self, others: list[int]) -> tuple[float, int]:
+        """The best score with one more gauge, and its place; infinite if there is no room."""
+        known = self._all[others].sum(axis=0)
+        free = np.ones(len(self.places), dtype=bool)
+        for k in others:
+            free &= np.abs(self.places - self.places[k]) >= self.rig.apart - STEP / 1e3
+        at = np.flatnonzero(free)
+        if not len(at):
+            return np.inf, 0
+        # The places are evaluated in groups, because the arrays for all together would be too
+        # large.
+        parts = np.array_split(at, min(len(at), 16))
+        scores = np.concatenate(
+            [self.score(self.errors_of(known + self._all[part])) for part in parts]
+        )
+        # Of places with equal scores, the one nearest to the root is taken.
+        best = int((scores <= scores.min() * (1 + LEAST_GAIN)).argmax())
+        return float(scores[best]), int(at[best])

@@ -1,9 +1,14 @@
-"""The gauges of the flexible digit, thesis equations 3.7 to 3.9, fitted to recorded vectors."""
+"""``python -m studies.physics.digit_data FILE``: vectors of a flexible digit, by its theory.
 
-from __future__ import annotations
+The sensors are those that fit the recorded vectors best (``fit_sensors``), so a scene
+can use the file in the place of appendix2.csv.
+"""
 
+import argparse
+import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +18,11 @@ from golden.input_error import InputError
 from golden.numbers.domain import checked
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
-from tactus.physics import GRAVITY
-from tactus.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.files import check_writable
+from tactus.core.fingerprint import ROOT
+from tactus.core.table import read_table, write_table
+from tactus.physics.beam import Beam, Loads, StrainSensor
 
 # The columns of loads in scenes/data/appendix2.csv.
 COLUMNS = ("load", "position", "width", "shape")
@@ -24,25 +32,17 @@ TRIANGLE_CODE, RECTANGLE_CODE = 0.9, 0.45  # Table 3.1
 # beam, where the arm changes by 0.4 % over the whole working range.
 FARTHEST = 100.0
 
+RECORDED = ROOT / "scenes" / "data" / "appendix2.csv"
+SENSORS = ("sensor1", "sensor2", "sensor3", "sensor4")
 
-@dataclass(frozen=True)
-class Loads:
-    """Loads on the beam in SI units. The arrays are broadcast.
+# The residual of sensor 4 after the fit. It is the only sensor that was recorded at every
+# placement.
+NOISE = 0.008  # V
 
-    mass: D in kg.
-    position: a in m, from the root to the middle of the load.
-    half_width: h in m.
-    triangular: See ``mean_arm``.
-    """
-
-    mass: Real
-    position: Real
-    half_width: Real
-    triangular: Real
-
-    def at_points(self) -> Loads:
-        """The same loads without width, which equation 3.5 assumes."""
-        return replace(self, half_width=np.zeros_like(self.half_width))
+LEAST_LOAD_G = 6.0  # Table 3.1
+WIDTHS_MM = (12.7, 25.4, 38.1, 50.8)
+NEAREST_MM = 6.35  # from the tip to the outer edge of a load, section 3.8.2
+MOST_ROWS = 1_000_000
 
 
 def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
@@ -58,46 +58,6 @@ def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
         width / FULL_SCALE * WIDTH_MM / 2e3,
         shape > (TRIANGLE_CODE + RECTANGLE_CODE) / 2,
     )
-
-
-@dataclass(frozen=True)
-class StrainSensor:
-    """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
-
-    gain: V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
-        reading.
-    offset: V_off in V.
-    position: In m from the root. Below 0 there can be no gauge on this beam. The formula still
-        continues there, so that a fit can show that a sensor does not read a bending moment.
-    beam: The beam; gamma is half of its thickness.
-    """
-
-    gain: float
-    offset: float
-    position: float
-    beam: Beam
-
-    def read(self, loads: Loads) -> Real:
-        """Volts for each load, not clipped."""
-        mass, arm = self._mass_and_arm(loads)
-        strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
-        return self.gain * strain + self.offset
-
-    def slopes(self, loads: Loads) -> Real:
-        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
-        mass, arm = self._mass_and_arm(loads)
-        by_position, by_half_width = arm_slopes(
-            loads.position - self.position, loads.half_width, loads.triangular
-        )
-        moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
-        per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
-        return per_moment * np.stack(moments, axis=-1)
-
-    def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:
-        mass, place = checked(
-            mass=(loads.mass, 0, MOST_MASS), position=(loads.position, 0, self.beam.length)
-        )
-        return mass, mean_arm(place - self.position, loads.half_width, loads.triangular)
 
 
 def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = True) -> StrainSensor:
@@ -117,7 +77,7 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
         raise InputError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
     if loads.mass.shape != volts.shape:
         raise InputError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
-    used = loads if spread else loads.at_points()
+    used = loads if spread else replace(loads, half_width=np.zeros_like(loads.half_width))
 
     def solved(nearness: Real) -> StrainSensor:
         """The fit at length (1 - 1 / nearness): 1 is the root, and 0 is infinitely far outside."""
@@ -151,3 +111,50 @@ def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[Strai
 def read_sensors(sensors: Sequence[StrainSensor], loads: Loads) -> Real:
     """Readings of all sensors, shape (n, sensors)."""
     return np.stack([sensor.read(loads) for sensor in sensors], axis=-1)
+
+
+def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
+    """Random placements, and the readings of the four sensors for them.
+
+    rows: 1 to a million.
+    seed: 0 or more.
+    noise: Standard deviation of Gaussian noise on every sensor, V, 0 to 1.
+
+    Returns, shape (rows, 8): Sensors 1 to 4 in V, within -1 to 1. Then, as coded targets: the load
+        (6 to 23 g), the position (from where the outer edge of the load is 6.35 mm from the tip, up
+        to 127 mm), the width (one of the four of Table 3.1), and the shape.
+    """
+    checked(rows=(rows, 1, MOST_ROWS), seed=(seed, 0, 2**63), noise=(noise, 0, 1))
+    rng = np.random.default_rng(seed)
+    beam = Beam()
+    width = rng.choice(WIDTHS_MM, rows)
+    codes = np.stack(
+        [
+            rng.uniform(LEAST_LOAD_G, LOAD_G, rows) / LOAD_G * FULL_SCALE,
+            rng.uniform(NEAREST_MM + width / 2, POSITION_MM) / POSITION_MM * FULL_SCALE,
+            width / WIDTH_MM * FULL_SCALE,
+            rng.choice([RECTANGLE_CODE, TRIANGLE_CODE], rows),
+        ],
+        axis=-1,
+    )
+    sensors = fit_sensors(read_table(RECORDED, [*SENSORS, *COLUMNS]), beam)
+    volts = read_sensors(sensors, loads_from_codes(codes, beam))
+    return np.hstack([np.clip(volts + rng.normal(0, noise, volts.shape), -1, 1), codes])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="studies.physics.digit_data", description=__doc__)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--rows", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--noise", type=float, default=NOISE, help="V")
+    arguments = parser.parse_args()
+    check_writable([arguments.file])
+    stop_if_dry_run(f"write {arguments.rows} rows into {arguments.file}")
+    data = digit_data(arguments.rows, arguments.seed, arguments.noise)
+    write_table(arguments.file, [*SENSORS, *COLUMNS], data, 4)
+    print(f"wrote {arguments.file}: {arguments.rows} rows, seed {arguments.seed}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
