@@ -17,7 +17,6 @@ from tactus.report.page.sign_off import mutation, percent
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, Outcome, run_job
 from tactus.verify.sign_off.mutate import flat, score
-from tactus.verify.sign_off.mutate.initial import Word, drawn, flipped, score_words, words_of
 from tactus.verify.sign_off.mutate.mutants import (
     explain,
     explanations,
@@ -28,7 +27,7 @@ from tactus.verify.sign_off.mutate.mutants import (
 )
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
-from tactus.verify.sign_off.mutate.score import COUNT, SEED, Subject, describe, prepare, run_bench
+from tactus.verify.sign_off.mutate.score import COUNT, Subject, describe, prepare, run_bench
 from tactus.verify.sign_off.record import read_record, records
 from tactus.verify.sign_off.subject import recorded_cases
 
@@ -256,48 +255,3 @@ def test_the_page_tells_how_sure_a_score_is() -> None:
     said = mutation(facts)
     assert said.startswith("mutants detected: 189 of 200, drawn from 796; proved equivalent: 7;")
     assert "drawn" not in mutation(facts | {"population": COUNT})
-
-
-@pytest.fixture(scope="module")
-def with_words(shared: Shared) -> dict[str, list[Word]]:
-    """The words of each block that has some."""
-    jobs = {block: shared.subject(block) for block in BENCHES}
-    found = {b: words_of((j.hdl_folder / f"{j.entity}.v").read_text()) for b, j in jobs.items()}
-    return {block: words for block, words in found.items() if words}
-
-
-def test_words_are_recorded_where_there_are_some(shared: Shared) -> None:
-    for block in BENCHES:
-        for name, case in recorded_cases(block).items():
-            job = shared.subject(block, case=case)
-            words = words_of((job.hdl_folder / f"{job.entity}.v").read_text())
-            assert ("words" in read_record("mutation", name)) == bool(words), name
-
-
-def test_the_score_is_of_these_words(with_words: dict[str, list[Word]]) -> None:
-    for block, words in with_words.items():
-        found = read_record("mutation", block)["words"]
-        again = f"run: make mutate BLOCK={block} RECORD=1"
-        assert (found["words"], found["bits"]) == (len(words), sum(w.width for w in words)), again
-        assert found["killed"] + len(found["survivors"]) == found["mutants"] == COUNT
-        assert found["score"] == round(found["killed"] / found["mutants"], 4)
-        bits = {f"{word.memory}[{word.address}] bit {b}" for word, b in drawn(words, COUNT, SEED)}
-        assert bits >= set(found["survivors"]), again
-
-
-def test_a_changed_bit_is_in_the_word_alone(shared: Shared) -> None:
-    job = shared.subject("program_memory")
-    text = (job.hdl_folder / f"{job.entity}.v").read_text()
-    words = words_of(text)
-    for word, bit in drawn(words, 5, seed=3):
-        changed = words_of(flipped(text, word, bit))
-        values = [w.value ^ (1 << bit) * (w == word) for w in words]
-        assert [w.value for w in changed] == values
-
-
-def test_the_bench_finds_few_changed_bits(shared: Shared) -> None:
-    """Each bit of these words is compared with the twin's by the bench."""
-    found = score_words(shared.subject("program_memory"), count=3, seed=2)
-    assert found is not None
-    assert found["killed"] == 3
-    assert score_words(shared.subject("abs_unit")) is None

@@ -1,6 +1,5 @@
 """The records of all blocks, and those of one block for its page."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -22,7 +21,6 @@ def mutation(record: Record) -> str:
     """How many mutants the bench detects, and what is known about the others."""
     possible = record.get("population", record["mutants"])
     drawn = f", drawn from {possible}" if possible != record["mutants"] else ""
-    words = record.get("words")
     undetected = record["survivors"]
     explained = sum(bool(one["explained"]) for one in undetected)
     facts = {
@@ -31,8 +29,6 @@ def mutation(record: Record) -> str:
         "undetected with a reason": explained,
         "undetected without a reason": len(undetected) - explained,
         "score": f"**{percent(record)}**",
-        "changed bits of memories detected": words
-        and f"{words['killed']} of {words['mutants']}, in {words['words']} words",
     }
     return _said(facts)
 
@@ -64,20 +60,6 @@ def undetected_mutants(record: Record) -> list[str]:
     rows = [[reason, "; ".join(found)] for reason, found in mutants.items()]
     return _table(
         "Undetected mutants, and the reason why each is accepted:", "reason | mutants", rows
-    ) + undetected_bits(record)
-
-
-def undetected_bits(record: Record) -> list[str]:
-    """A row for each bit of a memory whose fault the bench does not detect in some words."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for one in record.get("words", {}).get("survivors", []):
-        memory, address, bit = re.split(r"\[|\] bit ", one)
-        found.setdefault((memory, bit), []).append(address)
-    return _table(
-        "Bits of words whose faults the bench does not detect. The proof for every frame computes "
-        "with each of them:",
-        "memory | bit | addresses",
-        [[f"`{memory}`", bit, ", ".join(at)] for (memory, bit), at in sorted(found.items())],
     )
 
 

@@ -14,7 +14,6 @@ from tactus.core.machine import processor_line, processor_minutes
 from tactus.scene import load_scene
 from tactus.verify.benches.places import check_block
 from tactus.verify.benches.runner import Job
-from tactus.verify.sign_off.mutate.initial import score_words
 from tactus.verify.sign_off.mutate.score import SEED, score
 from tactus.verify.sign_off.record import recorded, write_record
 from tactus.verify.sign_off.subject import (
@@ -36,14 +35,6 @@ def line(block: str, facts: dict[str, Any]) -> str:
         f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} detected "
         f"{facts['same']:4} equivalent {facts['explained']:3} explained {real:3} not explained  "
         f"score {100 * facts['score']:6.2f} %"
-    )
-
-
-def words_line(name: str, words: dict[str, Any]) -> str:
-    """A row about the words of memories."""
-    return (
-        f"{name:22} {words['mutants']:4} bits of {words['words']} words of memories "
-        f"{words['killed']:4} detected  score {100 * words['score']:6.2f} %"
     )
 
 
@@ -86,9 +77,6 @@ def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
             print(f"{name}: {text}", flush=True)
 
         facts = score(job, seed=arguments.seed, before=before, tell=tell)
-        words = score_words(job, seed=arguments.seed, tell=tell)
-        if words:
-            facts["words"] = words
         if arguments.record:
             write_record(KIND, name, facts)
         return facts
@@ -100,8 +88,6 @@ def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
             planned, pool.map(work, *zip(*planned.items(), strict=True)), strict=True
         ):
             print(line(name, facts), flush=True)
-            if "words" in facts:
-                print(words_line(name, facts["words"]), flush=True)
             for one in facts["survivors"]:
                 print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
             found &= all(one["explained"] for one in facts["survivors"])
