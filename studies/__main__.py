@@ -22,11 +22,6 @@ def names() -> list[str]:
     return sorted(path.parent.name for path in FOLDER.glob("*/study.py"))
 
 
-def finished() -> list[str]:
-    """Every study, also those whose README names the revision whose program measured them."""
-    return sorted(path.parent.name for path in FOLDER.glob("*/result.csv"))
-
-
 def recorded(name: str) -> Table:
     """What a study found."""
     return Table(name, *read_csv(FOLDER / name / "result.csv"), "")
@@ -63,11 +58,6 @@ def main() -> None:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     name = arguments.name
-    if name not in names() and name in finished():
-        raise InputError(
-            f"NAME={name}: is not measured again; {FOLDER / name / 'README.md'} names the revision "
-            "that did"
-        )
     if name not in names():
         raise InputError(
             f"NAME={name}: no such study, expected one of {', '.join(names())}"

@@ -1,8 +1,8 @@
 """Compares the figures that a page shows with measured ones, and states how exact this can be.
 
 Another processor rounds last bits differently, and other versions of SciPy take other steps. The
-relative change of figures was measured on x86-64 (studies/spread) with eleven settings of the
-processor, and with SciPy 1.13 and 1.17:
+relative change of figures was measured on x86-64 with eleven settings of the processor, and with
+SciPy 1.13 and 1.17 (docs/studies/numerics.md):
 
 ========= ====================================================================== ================
 bound     figures                                                                differed by

@@ -112,7 +112,8 @@ def test_a_listing_computes_what_the_matrix_does(shared: Shared, name: str) -> N
         assert np.array_equal(np.clip(found, low, high), matrix.process(frames))
 
 
-PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")])
+ROOMS = [ROOT / "docs", ROOT / "studies"]
+PAGES = sorted([*ROOT.glob("*.md"), *(page for room in ROOMS for page in room.rglob("*.md"))])
 SHEETS = sorted((ROOT / "docs" / "blocks").glob("*.md"))
 HEADINGS = ["Diagram", "Behaviour"]
 OPTIONAL = ["Numeric behaviour", "Limits"]
@@ -121,9 +122,17 @@ OPTIONAL = ["Numeric behaviour", "Limits"]
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_links_lead_somewhere(page: Path) -> None:
     text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
-    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+    for target, anchor in re.findall(r"\]\(([^)#\s]+)#?([^)]*)\)", text):
         if not target.startswith(("http:", "https:", "mailto:")):
             assert (page.parent / target).exists(), f"{page.name} links to {target}"
+            if anchor and target.endswith(".md"):
+                assert anchor in anchors(page.parent / target), f"{page.name}: {target}#{anchor}"
+
+
+def anchors(page: Path) -> list[str]:
+    """Those that GitHub gives the headings of a page."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.M)
+    return [re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings]
 
 
 def test_the_change_log_names_commands_that_there_are() -> None:

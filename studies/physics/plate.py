@@ -15,7 +15,7 @@ from golden.numbers.real import Real
 CHUNK = 1 << 16
 MOST_TERMS = 1_000_000
 
-# From studies/plate: at the load itself, where the series converges slowest,
+# From docs/studies/numerics.md: at the load itself, where the series converges slowest,
 # the sum of so many terms is within 2e-6 of the limit, and takes less time than the coarsest grid.
 TERMS = 1000
 

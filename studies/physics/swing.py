@@ -11,7 +11,7 @@ from golden.numbers.domain import checked
 from golden.numbers.real import Real
 from tactus.physics.beam import GRAVITY
 
-# From studies/swing_integrators: with light damping, DOP853 and LSODA take similar times, and near
+# From docs/studies/numerics.md: with light damping, DOP853 and LSODA take similar times, and near
 # upright DOP853 has the smaller error. With overdamping, from two natural frequencies on, the
 # samples of DOP853 between its steps miss the tolerance, and then stability limits its steps. LSODA
 # keeps the tolerance there and is faster.

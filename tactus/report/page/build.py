@@ -57,9 +57,8 @@ def made(seconds: float) -> list[str]:
         f"{machine['instructions']}; {machine['versions']}.",
         "Run times are those of this machine, which reproduces every other figure exactly. Another "
         "processor rounds last bits differently. That changes where trainings end and how many "
-        "evaluations an integrator takes (studies/spread), but nothing in the hardware. Each plot "
-        "is an SVG and each table a CSV in the folder beside this file. report.json holds all of "
-        "them.",
+        "evaluations an integrator takes, but nothing in the hardware. Each plot is an SVG and "
+        "each table a CSV in the folder beside this file. report.json holds all of them.",
     ]
 
 
