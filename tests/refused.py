@@ -29,6 +29,13 @@ def main_of(module: str) -> Callable[[], int | None]:
     return main
 
 
+def call(command: str, *words: object) -> int | None:
+    """Run a command in this process, with words as make gives them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", [command, *map(str, words)])
+        return main_of(BY_NAME[command].module)()
+
+
 class Desk:
     """A folder with the scene ``mine.toml``, its data and its network, to call commands on."""
 

@@ -1,7 +1,7 @@
 """Runs every bench on its cases, and the recorded frames of the shipped scenes.
 
 Every run simulates each block in the cases in which its records are made, in one of the simulators:
-that VHDL and Verilog are one function is proved (test_equal.py). Default scenes are simulated in
+that VHDL and Verilog are one function is proved (test_records.py). Default scenes are simulated in
 both. ALL=1 adds the other cases, and the other simulator. Cases of whole networks are proved for
 every frame instead (test_every_frame.py).
 """

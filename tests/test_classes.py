@@ -2,20 +2,19 @@
 
 import csv
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import tiered
 from derivatives import differences
+from refused import call
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import Dense, Trained, layers_of, network_of, packed, unpacked
 from golden.trained.mlp import tanh
-from tactus.cli import predict, scene, train
 from tactus.errors import decisions_of, held_out_or_all, held_out_rows, lines_of, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
@@ -62,17 +61,11 @@ def write_hand(folder: Path, rows: int = 90, labels=LABELS, more: str = "") -> P
     return path
 
 
-def call(monkeypatch, module, *words: object) -> None:
-    monkeypatch.setattr(sys, "argv", [module.__name__, *map(str, words)])
-    module.main()
-
-
 @pytest.fixture(scope="module")
 def hand(tmp_path_factory) -> Path:
     """A scene with a trained network."""
     path = write_hand(tmp_path_factory.mktemp("hand"))
-    with pytest.MonkeyPatch.context() as patch:
-        call(patch, train, path, "--workers", 1, "--build", path.parent / "build")
+    call("train", path, "--workers", 1, "--build", path.parent / "build")
     return path
 
 
@@ -130,9 +123,9 @@ def test_logits_of_any_size_keep_their_decisions(hand: Path, tmp_path: Path, fac
     assert np.array_equal(decided(codes), decisions_of(load_scene(str(hand))).bit_true)
 
 
-def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, capsys) -> None:
     to = tmp_path / "out.csv"
-    call(monkeypatch, predict, hand, hand.with_suffix(".csv"), to)
+    call("predict", hand, hand.with_suffix(".csv"), to)
     with to.open() as file:
         rows = list(csv.DictReader(file))
     every = decisions_of(load_scene(str(hand)))
@@ -145,10 +138,10 @@ def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, monkeypatch
     )
 
 
-def test_a_reading_like_no_class_is_outside(hand: Path, tmp_path: Path, monkeypatch) -> None:
+def test_a_reading_like_no_class_is_outside(hand: Path, tmp_path: Path) -> None:
     new, to = tmp_path / "new.csv", tmp_path / "out.csv"
     new.write_text("x,y\n0.4,-0.3\n0.95,0.95\n")
-    call(monkeypatch, predict, hand, new, to)
+    call("predict", hand, new, to)
     with to.open() as file:
         assert [row["outside"] for row in csv.DictReader(file)] == ["0", "1"]
 
@@ -164,9 +157,9 @@ def test_a_network_for_other_labels_is_refused(hand: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.all_only
-def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch) -> None:
+def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path) -> None:
     path = write_hand(tmp_path, more="refit = true\n")
-    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    call("train", path, "--workers", 1, "--build", tmp_path / "build")
     found = load_scene(str(path))
     assert held_out_rows(found) is None
     right = 100 - read_provenance(found.weights_paths[0])["test_wrong_percent"]
@@ -203,11 +196,11 @@ def test_labels_that_are_none(labels, message: str) -> None:
         ordered(labels, "place")
 
 
-def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypatch) -> None:
+def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path) -> None:
     """Gestures around three centres are told apart by straight lines."""
     path = write_hand(tmp_path)
     path.write_text(path.read_text().replace('hidden = 4\nactivations = ["relu"]\n', ""))
-    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    call("train", path, "--workers", 1, "--build", tmp_path / "build")
     found = load_scene(str(path))
     every, story = decisions_of(found), read_provenance(found.weights_paths[0])
     assert (found.describe(), story["network"], story["hidden"]) == ("2:3", "2:3", "none")
@@ -247,9 +240,9 @@ def test_a_class_without_a_row_that_trains_is_a_fault(tmp_path: Path) -> None:
     assert any("no row of 'c' is held out: the errors say nothing" in text for text in texts)
 
 
-def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, capsys) -> None:
     csv_file, to = write_hand(tmp_path).with_suffix(".csv"), tmp_path / "mine.toml"
-    call(monkeypatch, scene, csv_file, "--classes", "gesture", "--to", to)
+    call("scene", csv_file, "--classes", "gesture", "--to", to)
     text = capsys.readouterr()[0]
     assert re.search(r"gesture +classes +3 different labels", text)
     assert "rows: 30 of 'fist', 30 of 'flat', 30 of 'wave'" in text

@@ -132,3 +132,36 @@ def test_the_benchmark_reports_a_ratio() -> None:
     result = make("bench", "FRAMES=2000", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
     assert re.search(r"4:16:4 exact: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
+
+
+# A test of the second tier that takes less than a second.
+LEFT = "tests/test_mutate.py::test_a_selection_that_yosys_takes_out_is_an_error"
+
+
+def pytest_run(*words: str) -> subprocess.CompletedProcess[str]:
+    without = {k: "" for k in os.environ if k.startswith("PYTEST")}
+    return run(sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *words, **without)
+
+
+def test_a_file_that_is_missing_is_named() -> None:
+    result = pytest_run("test_schemes.py", "-n", "1")
+    assert result.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "TESTS=test_schemes.py: no such file or folder; did you mean" in result.stderr
+
+
+def test_the_summary_counts_what_is_left_and_a_choice_that_runs_nothing_fails() -> None:
+    result = pytest_run(LEFT)
+    assert "[1] tests/test_mutate.py" in result.stdout
+    assert "left to make test ALL=1" in result.stdout
+    assert result.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert "error: no test was chosen that could run" in result.stdout
+
+
+def test_a_block_and_pages_are_selections_of_pytest() -> None:
+    def chosen(*words: str) -> str:
+        said = run(sys.executable, "tests/chosen.py", *words, DRY="1")
+        return said.stdout + said.stderr
+
+    assert "pytest -k comparator_bank and not test_site" in chosen("--block=comparator_bank")
+    assert re.search(r"pytest -m pages .*tests/test_pages\.py", chosen("--pages"))
+    assert "did you mean 'comparator_bank'" in chosen("--block=comparater_bank")

@@ -1,34 +1,46 @@
-"""Tests the program of the engine: what it computes, in which order, and how it is encoded."""
+"""The engine: its program, its results beside the network in whole numbers, and their bounds."""
 
 import re
 from collections import Counter
 from dataclasses import fields, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import on_engine, random_mlp, write_scene
+from conftest import on_engine, random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from myhdl import Simulation, delay, instance
+from refused import call
 
-from golden.engine.formats import HIDDEN, SAMPLE, WIDTH, coeff_frac
+from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH, coeff_frac
 from golden.engine.frame_check import FrameCheck
-from golden.engine.graph import Graph, Kind, Neuron, Term
-from golden.engine.integer_network import evaluate
+from golden.engine.function_table import codes_of
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
+from golden.engine.integer_network import LayerRounding, evaluate, sample_words
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneInstruction, LaneProgram
-from golden.engine.neurons import graph_of
 from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.input_error import InputError
+from golden.networks.bounds import engine_bounds
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
+from golden.networks.left_out import left_out
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
+from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
+from golden.trained.function import TANH, Function
 from golden.trained.mlp import Mlp
-from tactus.cli.listing import main
+from hdl.common.lookup import hardware
+from tactus.cli.listing import critical_path
+from tactus.export.hierarchy import port_signals
 from tactus.scene import load_scene
+from tactus.verify.benches.written import scene_of
+from tb.common.case_library import ENGINES, LANES, LAYERED
+from tb.common.cases import random_network
 
 PAGE = Path(__file__).parents[1] / "docs" / "instruction-set.md"
 PIPELINES = [Pipeline(), Pipeline(memory_registers=1)]
@@ -39,55 +51,6 @@ def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
     codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
     codes[0], codes[1] = SIGNAL.low, SIGNAL.high
     return codes
-
-
-SHAPES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
-
-
-@st.composite
-def networks(draw: st.DrawFn) -> tuple[str, list[Mlp]]:
-    """One or several networks, with weights from small ones to some that need more than 18 bits."""
-    arrangement = draw(st.sampled_from(["single", "multiple", "cascade"]))
-    count = 1 if arrangement == "single" else draw(st.integers(2, 3))
-    inputs, hidden, outputs = draw(SHAPES)
-    spread = draw(st.sampled_from([0.1, 1.0, 10.0, 100.0]))
-    mlps = []
-    for n in range(count):
-        earlier = n * outputs if arrangement == "cascade" else 0
-        mlp = random_mlp((inputs + earlier, hidden, outputs), spread, draw(st.integers(0, 99)))
-        if draw(st.booleans()):
-            # This makes a node that no output uses, and a sensor that no node uses.
-            mlp.w2[:, -1] = 0
-            mlp.w1[:, 0] = 0
-        mlps.append(mlp)
-    return arrangement, mlps
-
-
-@settings(max_examples=40)
-@given(several=networks(), width=st.sampled_from([7, 8, 9]))
-def test_networks_of_any_shape(several: tuple[str, list[Mlp]], width: int) -> None:
-    arrangement, mlps = several
-    codes = random_codes(mlps[0].shape[0], 50)
-    expected = evaluate(integer_networks(arrangement, mlps, segment_width=width), codes)
-    for lean in (True, False):
-        settings = Settings(options={"segment_width": width}, lean=lean)
-        engine = Engine.of(mlps, settings, arrangement)
-        assert np.array_equal(engine.process(codes), expected)
-
-
-@pytest.mark.parametrize("pipeline", PIPELINES, ids=str)
-def test_lean_leaves_out_steps(pipeline: Pipeline) -> None:
-    mlp = random_mlp((3, 4, 2), 1.0, 1)
-    mlp.w2[:, -1] = 0
-    mlp.w1[:, 0] = 0
-    whole = integer_networks("single", [mlp])
-    lean, full = (schedule(graph_of(whole, kind), pipeline) for kind in (True, False))
-    # Of a node its bias, three samples and tanh; of three others a sample each; two weights.
-    assert len(used(full)) - len(used(lean)) == (1 + 3 + 2) + 3 + 2
-
-
-def used(steps: list[Step]) -> list[Step]:
-    return [step for step in steps if step.neuron >= 0]
 
 
 @st.composite
@@ -165,23 +128,10 @@ def test_the_page_says_where_each_field_stands(registers: int) -> None:
         assert getattr(steps[found[0]], name) == (2 << (high - low)) - 1, name
 
 
-def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
-    mlp = random_mlp((2, 1, 1), 1.0, 1)
-    mlp.w1[0] = [100.0, -100.0]
-    (hidden, *_) = graph_of(integer_networks("single", [mlp])).neurons
-    most = 1 << (WIDTH - 1)
-    for source, weight in ((0, 100), (1, -100)):
-        parts = [term.weight for term in hidden.terms if term.source == source]
-        assert len(parts) > 1
-        assert all(-most < part < most for part in parts)
-        assert sum(parts) == weight << coeff_frac(HIDDEN, SAMPLE)
-
-
-def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
+def test_the_listing_names_every_step(tmp_path, capsys) -> None:
     mlps = [random_mlp((2, 2, 1), 1.0, 3)]
     path = on_engine(tmp_path, mlps)
-    monkeypatch.setattr("sys.argv", ["listing", str(path)])
-    main()
+    call("listing", path)
     head, columns, *lines = capsys.readouterr().out.splitlines()
     engine = load_scene(str(path)).twin()
     steps = engine.program.steps
@@ -205,16 +155,266 @@ def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
     assert stored == list(range(engine.inputs, engine.program.addresses))
 
 
-def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None:
-    path = write_scene(tmp_path, "folded", "exact", [random_mlp((2, 2, 1), 1.0, 3)])
-    monkeypatch.setattr("sys.argv", ["listing", str(path)])
-    with pytest.raises(InputError, match=r"hardware\.design: got hybrid, which has no program"):
-        main()
-
-
 def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(InputError, match=r"frame_check: got inputs=8, expected 1 to 7"):
         FrameCheck(8, 3, 20, Pipeline())
     wide = random_mlp((1000, 12, 1), 1.0, 1)
     with pytest.raises(InputError, match=re.escape("got 1025 words of the operand memory")):
         Engine.of([wide])
+
+
+def lanes_of(name: str, lanes: int, pipeline: str = "short") -> Engine:
+    """A case of the benches of the engine with several multipliers."""
+    case = (ENGINES | LAYERED)[name]
+    options = {"lanes": lanes, "pipeline": pipeline}
+    return Engine.of(case.networks(), Settings(options=options), case.arrangement)
+
+
+@pytest.mark.parametrize("pipeline", ["short", "deep"])
+@pytest.mark.parametrize("lanes", [2, 3, 8])
+@pytest.mark.parametrize("name", ["chain-engine", "three-engine", "huge-engine", "layers-engine"])
+def test_no_operand_is_read_before_it_is_stored_in_its_lane(
+    name: str, lanes: int, pipeline: str
+) -> None:
+    """Every term is computed once: by the lane that holds its operand, or by one lane of those."""
+    many = lanes_of(name, lanes, pipeline)
+    program, shared = many.program, many.program.shared
+    assert shared is not None
+    steps = program.scheduled
+    at = {step.neuron: n for n, step in enumerate(steps) if step.last}
+    products = []
+    for n, (step, code) in enumerate(zip(steps, program.steps, strict=True)):
+        source = step.term.source - many.inputs
+        if step.neuron >= 0 and source >= 0 and not code.gather:
+            assert n >= at[source] + program.pipeline.result_ready
+        if step.neuron >= 0:
+            products.append(program.weights[code.place])
+    terms = [t for neuron in many.graph.neurons for t in neuron.terms if t.weight]
+    alike = sum(
+        len([t for t in shared.graph.neurons[n].terms if any(shared.weights[t.weight])])
+        * (len(shared.weights[0]) - 1)
+        for n, group in enumerate(shared.groups)
+        if group.alike
+    )
+    assert sum(weight != 0 for row in products for weight in row) == len(terms) + alike
+
+
+def in_myhdl(design: Engine, frames: np.ndarray) -> np.ndarray:
+    """The results of MyHDL itself, which checks the bounds of every signal."""
+    ports = port_signals(design)
+    clk, rst, samples, results = (ports[name] for name in ("clk", "rst", "in_", "out"))
+    clocks = [None]
+    for frame in frames:
+        ends = [*enumerate(frame.tolist(), 1 - len(frame))]
+        clocks += [*ends, *[None] * (design.interval - len(frame))]
+    seen = []
+
+    @instance
+    def drive():
+        for t, clock in enumerate([*clocks, *[None] * design.output_clocks[-1]]):
+            rst.next, samples.valid.next = t == 0, clock is not None
+            if clock:
+                samples.last.next, samples.data.next = clock[0] == 0, clock[1]
+            yield delay(1)
+            if t and results.valid:
+                seen.append(int(results.data))
+            clk.next = True
+            yield delay(1)
+            clk.next = False
+
+    Simulation(drive, hardware(design)(**ports, spec=design)).run(quiet=1)
+    return np.reshape(seen, (len(frames), design.outputs))
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_codes_of_one_bit(lanes: int) -> None:
+    """A code has no bit above its lowest one, which is 0 half way between two codes."""
+    weights = np.array([[1.0, 0.0], [0.5, 0.5], [1.0, 1.0]])
+    hidden = Dense(weights, np.zeros(3), "relu", quantiser=Quantiser(1.0, 0, 0, 1))
+    outputs = Dense(np.array([[0.5, 0.25, 0.125]]), np.zeros(1))
+    twin = Engine.of([network_of([hidden, outputs])], Settings(options={"lanes": lanes}))
+    assert twin.graph.cut == WIDTH - 2
+    samples = np.array([[0.5, 0.0], [0.5, 0.5], [0.75, 0.0], [0.75, 0.75], [-0.5, 0.75]])
+    codes, _ = SIGNAL.quantise(samples)
+    # The sums of the first frame are 0.5, 0.25 and 0.5, and those of the second 0.5, 0.5 and 1.
+    expected, _ = SIGNAL.quantise(np.array([[0.0], [0.125], [0.625], [0.875], [0.0]]))
+    assert np.array_equal(evaluate(twin.integers, codes), expected)
+    assert np.array_equal(in_myhdl(twin, codes), expected)
+
+
+def test_no_more_lanes_than_a_layer_has_nodes() -> None:
+    many = lanes_of("least-engine", 16)
+    assert many.lanes == 1
+    assert "15 lanes that no layer has a node for" in left_out(many)
+
+
+@pytest.mark.parametrize("name", ["digit", "comparison/digit-lanes4", "comparison/digits-lanes8"])
+def test_no_schedule_is_faster_than_its_path(name: str) -> None:
+    many = load_scene(name).twin()
+    shared = many.program.shared
+    clock, names = critical_path(shared, many.program.pipeline)
+    assert many.inputs < clock <= many.output_clocks[-1]
+    numbers = [[neuron.name for neuron in shared.graph.neurons].index(one) for one in names]
+    for before, after in pairwise(numbers):
+        sources = [term.source for term in shared.graph.neurons[after].terms]
+        assert many.inputs + before in sources
+
+
+def test_the_listing_of_lanes_names_every_step(capsys) -> None:
+    call("listing", "comparison/digit-lanes4")
+    many = load_scene("comparison/digit-lanes4").twin()
+    head, columns, *lines = capsys.readouterr().out.splitlines()
+    assert head.startswith("tanh in 256 segments")
+    assert columns.split()[:4] == ["step", "neurons", "operand", "address"]
+    assert [line.split()[0] for line in lines[: many.program.length]] == [
+        str(n) for n in range(many.program.length)
+    ]
+    assert lines[many.program.length - 1].endswith(f"leaves in clock {many.output_clocks[-1]}")
+
+
+@pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
+def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
+    """A step names one function, so the nodes of a group have the same, and it is the one named."""
+    many = scene_of(LANES[name], tmp_path, name).twin()
+    program, neurons = many.program, many.graph.neurons
+    found = Counter[Function]()
+    for step, code in zip(program.scheduled, program.steps, strict=True):
+        if step.neuron >= 0 and code.kind in LOOKED_UP:
+            members = [n for n in program.shared.groups[step.neuron].members if n >= 0]
+            (function,) = {neurons[n].function for n in members}
+            assert code.place == codes_of(many.graph.functions)[function]
+            found[function] += code.kind == Kind.DISTANCE
+    # The nodes of a function are in as few groups as there can be; a tanh of all lanes is alone.
+    nodes = Counter(n.function for n in neurons if n.looks_up)
+    assert found == {
+        function: count if function == TANH else -(-count // many.lanes)
+        for function, count in nodes.items()
+    }
+
+
+def test_a_scene_with_too_many_weights_is_refused() -> None:
+    wide = replace(LANES["least-lanes"], shapes=[(900, 20, 1)]).networks()
+    with pytest.raises(InputError, match="got 8998 weights of each lane, expected 8192 at most"):
+        Engine.of(wide, Settings(options={"lanes": 2}))
+
+
+TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))
+KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
+
+
+def frames_of(inputs: int) -> Codes:
+    """Random frames, coarse ones whose sums are half way between codes, and rails."""
+    rng = np.random.default_rng(1)
+    fine = rng.integers(SIGNAL.low, SIGNAL.high + 1, (30, inputs))
+    coarse = rng.integers(-16, 16, (40, inputs)) << 9
+    rails = rng.choice([SIGNAL.low, 0, SIGNAL.high], (20, inputs))
+    return np.concatenate([fine, coarse, rails])
+
+
+@st.composite
+def networks(draw: st.DrawFn) -> tuple[str, list[Trained]]:
+    """One or several networks, with weights from small ones to some that need more than 18 bits."""
+    arrangement = draw(st.sampled_from(["single", "multiple", "cascade"]))
+    count = 1 if arrangement == "single" else draw(st.integers(2, 3))
+    inputs, outputs = draw(st.integers(1, 4)), draw(st.integers(1, 3))
+    found = []
+    for n in range(count):
+        kinds = draw(st.lists(st.sampled_from(KINDS), min_size=1, max_size=3))
+        hidden = [draw(st.integers(1, 6)) for _ in kinds]
+        shape = (inputs + n * outputs * (arrangement == "cascade"), *hidden, outputs)
+        spread = draw(st.sampled_from([0.1, 1.0, 10.0, 100.0][: 4 if kinds == ["tanh"] else 3]))
+        seed = draw(st.integers(0, 99))
+        made = random_network(shape, tuple(kinds), spread, seed, functions=TABLES)
+        if isinstance(made, Mlp) and draw(st.booleans()):
+            # This makes a node that no output uses, and a sensor that no node uses.
+            made.w2[:, -1] = made.w1[:, 0] = 0
+        found.append(made)
+    return arrangement, found
+
+
+@st.composite
+def quantised(draw: st.DrawFn) -> tuple[str, list[Trained]]:
+    """A network with a quantiser behind each hidden layer, in each rounding that there is."""
+    kinds = draw(st.lists(st.sampled_from(["relu", "linear"]), min_size=1, max_size=3))
+    bits = draw(st.integers(2, 8))
+    low = draw(st.sampled_from([0, -1 << (bits - 1)])) if set(kinds) == {"linear"} else 0
+    rounding = draw(st.sampled_from(["even", "floor"] if low else ["even", "floor", "away"]))
+    scale = 2.0 ** -draw(st.integers(bits - 2, bits + 1))
+    quantiser = Quantiser(scale, 0, low, low + (1 << bits) - 1, rounding)
+    shape = tuple(draw(st.integers(1, 5)) for _ in range(len(kinds) + 2))
+    return "single", [random_network(shape, tuple(kinds), 1.0, draw(st.integers(0, 99)), quantiser)]
+
+
+@settings(max_examples=100)
+@given(
+    several=st.one_of(networks(), quantised()),
+    width=st.sampled_from([7, 8, 9]),
+    lanes=st.integers(1, 16),
+    pipeline=st.sampled_from(["short", "deep"]),
+    lean=st.booleans(),
+)
+def test_every_engine_computes_the_networks_in_whole_numbers(
+    several: tuple[str, list[Trained]], width: int, lanes: int, pipeline: str, lean: bool
+) -> None:
+    arrangement, found = several
+    frames = frames_of(found[0].shape[0])
+    expected = evaluate(integer_networks(arrangement, found, segment_width=width), frames)
+    saturated = []
+    for options in ({}, {"lanes": lanes, "pipeline": pipeline}):
+        given = Settings(options={"segment_width": width, **options}, lean=lean)
+        engine = Engine.of(found, given, arrangement)
+        assert np.array_equal(engine.process(frames), expected)
+        saturated.append(engine.saturations(frames))
+    np.testing.assert_equal(*saturated)
+
+
+def test_a_quantised_network_does_not_see_the_half_unit_of_an_earlier_output() -> None:
+    """It rounds the value itself, though a half is added to the word that it takes."""
+    first = random_network((2, 3, 1), ("tanh",), 0.5, 1)
+    behind = Quantiser(2.0**-SIGNAL.frac, 0, SIGNAL.low, SIGNAL.high, "even")
+    second = network_of(
+        [
+            Dense(np.array([[0.0, 0.0, 1.0]]), np.zeros(1), "linear", quantiser=behind),
+            Dense(np.array([[1.0]]), np.zeros(1)),
+        ]
+    )
+    whole, frames = integer_networks("cascade", [first, second]), frames_of(2)
+    words = np.array([list(whole[0].run(words))[-1][1] for words in sample_words(frames)])
+    half = 1 << (OUTPUT_SHIFT - 1)
+    expected = np.rint((words - half) / (1 << OUTPUT_SHIFT))
+    found = evaluate(whole, frames)
+    assert np.array_equal(found[:, 1:], expected)
+    assert (words % (1 << OUTPUT_SHIFT) > half).any()
+    engine = Engine.of([first, second], arrangement="cascade")
+    assert np.array_equal(engine.process(frames), found)
+
+
+def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
+    """Worked by hand: codes count from the lowest one, and a tie goes to the even one."""
+    quantiser = Quantiser(0.25, 2, 0, 7, "even")
+    layers = [
+        Dense(np.array([[1.0]]), np.array([0.125]), "linear", quantiser=quantiser),
+        Dense(np.array([[0.5]]), np.array([0.0])),
+    ]
+    (whole,) = integer_networks("single", [network_of(layers)])
+    layer, last = whole.layers
+    assert (layer.rounding, layer.low, layer.high, layer.cut) == (LayerRounding.EVEN, 0, 7, 14)
+    assert layer.shift == DROPPED + layer.cut
+    assert last.rounding is LayerRounding.DOWN
+    samples = np.array([[-1.0], [-0.5], [-0.25], [0.0], [0.25], [0.5], [0.75]])
+    frames, _ = SIGNAL.quantise(samples)
+    # (x + 1/8) / (1/4) + 2: -1.5, 0.5, 1.5, 2.5, 3.5, 4.5 and 5.5
+    assert whole.hidden_codes(frames)[0].ravel().tolist() == [0, 0, 2, 2, 4, 4, 6]
+    assert len(sample_words(frames)) == len(frames)
+    found = SIGNAL.to_real(evaluate([whole], frames)).ravel()
+    assert found.tolist() == [-0.25, -0.25, 0.0, 0.0, 0.25, 0.25, 0.5]
+
+
+def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
+    quantiser = Quantiser(2.0**-3, 0, 0, 15)
+    layers = layers_of(random_network((4, 5, 3, 2), ("relu", "relu"), 1.0, 3, quantiser))
+    weights = np.abs(layers[-1].weights).sum(axis=1)
+    first = Dense(layers[0].weights, layers[0].biases, "tanh")
+    network = network_of([first, *layers[1:]])
+    bounds = engine_bounds(network, 9, 4)
+    assert (bounds >= weights * quantiser.scale).all()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from dataclasses import replace
 from itertools import product
@@ -13,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_classes import write_hand
-from test_layer_training import scene_of
+from test_layer_training import scene_of, trained
 
 from golden.engine.quantise import integer_networks
 from golden.networks.constants import constants_of
@@ -102,7 +101,7 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
 
 
 @pytest.mark.all_only
-def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_held_out_rows_take_no_part(small_scene: Scene) -> None:
     """If their readings and targets are replaced, only the written network may change."""
     scene = asking(small_scene, 30, refit=True)
     split = task_for(scene, scene.vectors(), []).split
@@ -167,11 +166,9 @@ def test_no_number_of_so_few_digits_is_nearer(value, most):
     assert abs(found - value) == least
 
 
-def provenance_of(path: Path, monkeypatch: pytest.MonkeyPatch) -> dict:
+def provenance_of(path: Path) -> dict:
     """Train a scene; its provenance."""
-    build = path.parent / "build"
-    monkeypatch.setattr(sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)])
-    command.main()
+    trained(path)
     return dict(read_provenance(load_scene(str(path)).weights_paths[0]))
 
 
@@ -183,20 +180,16 @@ def digits_of_layers(path: Path) -> int:
 
 
 @pytest.mark.parametrize("refit", ["", "refit = true\n"])
-def test_a_network_for_classes_is_written_with_few_digits(
-    tmp_path: Path, monkeypatch, refit: str
-) -> None:
+def test_a_network_for_classes_is_written_with_few_digits(tmp_path: Path, refit: str) -> None:
     path = write_hand(tmp_path, more=f"digits = 24\n{refit}")
-    story = provenance_of(path, monkeypatch)
+    story = provenance_of(path)
     assert story["digits"] <= 24 < story["digits_before"]
     assert digits_of_layers(path) <= 24
     assert story["validation_wrong_percent"] <= story["before_validation_wrong_percent"] + 5
 
 
-def test_a_network_of_several_layers_is_written_with_few_digits(
-    tmp_path: Path, monkeypatch
-) -> None:
+def test_a_network_of_several_layers_is_written_with_few_digits(tmp_path: Path) -> None:
     path = scene_of(tmp_path, "digits = 60\n")
-    story = provenance_of(path, monkeypatch)
+    story = provenance_of(path)
     assert story["digits"] <= 60 < story["digits_before"]
     assert digits_of_layers(path) <= 60

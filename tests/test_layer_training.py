@@ -1,7 +1,6 @@
 """Training of networks whose layers the scene names."""
 
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import on_engine
 from derivatives import check_derivatives
+from refused import call
 
 from golden.activation.segments import gradient_real
 from golden.input_error import InputError
@@ -16,7 +16,6 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed
 from golden.trained.function import Function
 from golden.trained.mlp import Activation, tanh
-from tactus.cli.train import main
 from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
@@ -77,17 +76,15 @@ def scene_of(tmp_path: Path, more: str = "") -> Path:
     return path
 
 
-def trained(path: Path, monkeypatch) -> None:
-    build = path.parent / "build"
-    monkeypatch.setattr(sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)])
-    main()
+def trained(path: Path) -> None:
+    call("train", path, "--workers", 1, "--build", path.parent / "build")
 
 
-def test_a_scene_of_several_layers_is_trained(tmp_path: Path, monkeypatch) -> None:
+def test_a_scene_of_several_layers_is_trained(tmp_path: Path) -> None:
     path = scene_of(tmp_path)
     text = path.read_text().replace("[4, 4]", '[4, 4]\nactivations = ["relu", "relu"]')
     path.write_text(text.replace("steps = 20", "steps = 100"))
-    trained(path, monkeypatch)
+    trained(path)
     scene = load_scene(str(path))
     assert scene.describe() == "3:4:4:2"
     assert scene.networks()[0].activations == ("relu", "relu")
@@ -103,16 +100,16 @@ def test_a_scene_of_several_layers_is_trained(tmp_path: Path, monkeypatch) -> No
     )[rows]
     assert abs(np.sqrt((miss**2).mean()) - story["test_rms_percent"]) < 1e-3
     before = (tmp_path / "mine.npz").read_bytes()
-    trained(path, monkeypatch)
+    trained(path)
     assert (tmp_path / "mine.npz").read_bytes() == before
 
 
-def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -> None:
+def test_layers_are_searched_where_the_scene_asks(tmp_path: Path) -> None:
     """One hidden layer of two nodes is too few for what two layers of four made."""
     path = scene_of(tmp_path, 'layers = [1, 2]\nactivation = "relu"\n')
     text = path.read_text().replace("hidden = [4, 4]\n", "")
     path.write_text(text.replace("steps = 20", "steps = 60\nhidden = [2, 5]"))
-    trained(path, monkeypatch)
+    trained(path)
     scene = load_scene(str(path))
     story = read_provenance(scene.weights_paths[0])
     assert story is not None
@@ -149,9 +146,9 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
 
     monkeypatch.setattr(search, "measure", watched)
     with pytest.raises(KeyboardInterrupt):
-        trained(path, monkeypatch)
+        trained(path)
     seen.append((None, 0, (), None))
-    trained(path, monkeypatch)
+    trained(path)
     for number, name in enumerate(("mine-0.npz", "mine-1.npz")):
         rows: dict[int, list] = {}
         begun = set()

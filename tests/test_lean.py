@@ -2,12 +2,12 @@
 
 import json
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import call
 
 from golden.networks.left_out import left_out, parts_left_out
 from golden.numbers.precision import SIGNAL
@@ -123,11 +123,10 @@ def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
 
 @pytest.mark.all_only
 @pytest.mark.usefixtures("yosys")
-def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_the_savings_are_those_of_two_builds(tmp_path: Path, capsys) -> None:
     """Every run checks instead that the recorded savings are of the present hardware."""
     path = write_scene(tmp_path, "idle", "exact", [with_zeros()], activation="precise")
-    monkeypatch.setattr(sys, "argv", ["make lean", str(path)])
-    lean.main()
+    call("lean", path)
     rows = [line.split() for line in capsys.readouterr().out.splitlines()[-3:]]
     whole, found, saved = ([int(n) for n in row[-5:]] for row in rows)
     assert [a - b for a, b in zip(whole, found, strict=True)] == saved

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from pages import section
+from pages import cells, section
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
-from golden.learning.gradient import Gradient, Lesson, start
+from golden.engine.integer_network import evaluate
+from golden.learning import steps
+from golden.learning.corrected import THETA, Corrected
+from golden.learning.gradient import Gradient, Lesson, bounded, start
 from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
+from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import taught_of
 from tactus.verify.benches.written import scene_of
@@ -261,3 +266,52 @@ def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None
     assert f"{len(program.table) + len(program.words):,} words with the table" in page
     assert f"{program.acc_width} bits" in page
     assert f"{twin.placements}\n  placements" in page
+
+
+@pytest.fixture(scope="module")
+def taught() -> Corrected:
+    recorded = Sensitivity.of(SCENE, np.zeros(len(SCENE.sensors)))
+    return Corrected.of(SCENE.mlps(), recorded.gain, recorded.offset)
+
+
+@pytest.fixture(scope="module")
+def recording() -> Lesson:
+    """Every row of the recording as the one placement of a drift of its own, without any drift."""
+    return Lesson(VECTORS.codes[:, np.newaxis], TARGETS[:, np.newaxis])
+
+
+def test_without_a_correction_the_networks_are_those_of_the_scene(taught: Corrected) -> None:
+    theta = np.zeros((len(VECTORS.codes), 2 * taught.sensors), dtype=np.int64)
+    outputs = taught.process(theta, VECTORS.codes)
+    np.testing.assert_array_equal(outputs, evaluate(taught.networks, VECTORS.codes))
+    np.testing.assert_array_equal(outputs, SCENE.twin().process(VECTORS.codes))
+
+
+@pytest.mark.parametrize("output", range(4))
+def test_derivatives_are_those_of_the_network(
+    taught: Corrected, recording: Lesson, output: int
+) -> None:
+    """By calculus on the trained network, which reads known outputs in front of it."""
+    hidden = recording.hidden(taught, start(recording, taught), 0, output)
+    found = taught.slopes(output, hidden) / 2**14
+    mlp = SCENE.mlps()[output]
+    seen = np.hstack([SIGNAL.to_real(VECTORS.codes), SIGNAL.to_real(TARGETS)[:, :output]])
+    h = np.tanh(seen @ mlp.w1.T + mlp.b1)
+    expected = ((mlp.w2 * (1 - h * h)) @ mlp.w1)[:, :4]
+    np.testing.assert_allclose(found, expected, atol=0.02)
+    assert np.abs(expected).max() > 0.5
+
+
+def test_the_page_counts_the_steps_of_a_pass(taught: Corrected) -> None:
+    program = steps.lms(taught, [[20000, 3], [30000, 0], [90000, 70], [60000, 1]])
+    counted = Counter(term.kind for sums in program for one in sums for term in one.terms)
+    page = section("learning", "As a program of an engine")
+    for kind in steps.Kind:
+        assert cells(page, kind.value)[0] == str(counted[kind])
+
+
+def test_a_step_that_does_not_fit_is_not_taken_and_flagged() -> None:
+    theta = np.array([[0, THETA.high - 1], [5, THETA.low]])
+    found, taken = bounded(theta, theta + np.array([[3, 1], [3, -1]]))
+    np.testing.assert_array_equal(found, [[3, THETA.high], [5, THETA.low]])
+    np.testing.assert_array_equal(taken, [True, False])

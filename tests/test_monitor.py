@@ -18,13 +18,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refused import call
 
 from golden.input_error import InputError
 from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.numbers.precision import SIGNAL
-from tactus.cli.predict import main as predict
-from tactus.core.cli import run
-from tactus.monitor.__main__ import main
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
@@ -381,28 +379,17 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
         Line(simulated.port, BAUD)
 
 
-def test_the_command_ends_with_what_it_saw(
-    scene: Scene, tmp_path: Path, monkeypatch, capfd
-) -> None:
+def test_the_command_ends_with_what_it_saw(scene: Scene, tmp_path: Path, capfd) -> None:
     with TwinBoard(scene, 200.0) as simulated:
-        words = [
-            "monitor",
-            "digit-board",
-            simulated.port,
-            "--seconds=0.5",
-            f"--to={tmp_path}/a.csv",
-        ]
-        monkeypatch.setattr("sys.argv", words)
-        assert run(main) == 0
+        to = f"--to={tmp_path}/a.csv"
+        assert not call("monitor", "digit-board", simulated.port, "--seconds=0.5", to)
     first, *_, counted, wrote = capfd.readouterr().out.splitlines()
     assert first.startswith(f"{simulated.port}, 1000000 baud: look at http://127.0.0.1:")
     assert re.fullmatch(r"\d+ packets, 0 missed, 0 damaged", counted)
     rows = len((tmp_path / "a.csv").read_text().splitlines()) - 1
     assert wrote == f"wrote {tmp_path}/a.csv, {rows} rows"
     assert counted.startswith(f"{rows} ")
-    words = ["predict", "digit-board", f"{tmp_path}/a.csv", f"{tmp_path}/out.csv"]
-    monkeypatch.setattr("sys.argv", words)
-    assert run(predict) == 0
+    assert not call("predict", "digit-board", tmp_path / "a.csv", tmp_path / "out.csv")
     assert f"of {rows} rows are outside" in capfd.readouterr().out
 
 

@@ -1,4 +1,4 @@
-"""Tests recording known placements from a board, and loading an image into it."""
+"""Tests recording placements from a board, loading an image into it, and what it then sends."""
 
 from __future__ import annotations
 
@@ -12,21 +12,28 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import Desk
+from refused import Desk, call
+from test_classes import write_hand
 
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.networks.engine import Engine
-from tactus.core.cli import run
+from golden.trained.dense import Dense, layers_of, network_of
 from tactus.monitor import load as loading
 from tactus.monitor import record as recording
-from tactus.monitor.board import Board
+from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
+from tactus.monitor.monitor import Monitor, csv_columns
+from tactus.monitor.placements import nearest_row
 from tactus.monitor.ports import open_line
+from tactus.monitor.record import read_label, typed
 from tactus.monitor.twin_board import TwinBoard
+from tactus.network_files.network_file import write_network
 from tactus.scene import Scene, load_scene
+from tactus.scene.image import scene_image
 from tactus.scene.scale import Scale
+from tb.common.cases import FRONT_END, random_network
 
 ROOT = Path(__file__).parents[1]
 BAUD = 1_000_000
@@ -112,8 +119,7 @@ def test_placements_of_a_list_become_a_recording(
     """Each row is the mean of the readings at a placement, and the labels are copied."""
     labels, to = tmp_path / "labels.csv", tmp_path / "mine.csv"
     labels.write_text("position,load\n0.225,0.9\n0.450,0.90\n")
-    words = ["record", "digit-board", simulated.port, str(to), f"--labels={labels}", "--frames=4"]
-    monkeypatch.setattr("sys.argv", words)
+    words = ("record", "digit-board", simulated.port, to, f"--labels={labels}", "--frames=4")
     asked = []
 
     def touch(text: str) -> str:
@@ -124,7 +130,7 @@ def test_placements_of_a_list_become_a_recording(
         return ""
 
     monkeypatch.setattr("builtins.input", touch)
-    assert run(recording.main) == 0, capfd.readouterr().err
+    assert not call(*words)
     assert f"wrote {to}, 2 placements" in capfd.readouterr().out
     assert asked[1] == "2 of 2: position 0.450, load 0.90; Enter when it is there "
     with to.open(newline="") as handle:
@@ -135,8 +141,8 @@ def test_placements_of_a_list_become_a_recording(
     for row in rows[1:]:
         readings = np.array([float(cell) for cell in row[:4]])
         assert np.abs(recorded.codes / 8192 - readings).max(axis=1).min() <= 0.5e-5
-    assert run(recording.main) == 2
-    assert "is there already" in capfd.readouterr().err
+    with pytest.raises(InputError, match="is there already"):
+        call(*words)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +189,7 @@ def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Pa
 def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
     """The first two packets come before any image.
 
-    ALL=1 tests more (tests/test_monitor_loop.py).
+    ALL=1 tests more (test_from_placements_to_a_network_on_the_board).
     """
     board = Board(hardware, hardware)
     with open_line("sim", None, board) as line:
@@ -191,3 +197,128 @@ def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) 
     reader = board.instrument.converter_reader
     expected = reader.process(reader.converted(hardware.vectors().codes[:1]))
     assert np.array_equal(values * 8192, expected)
+
+
+HARDWARE = "digit-board"
+
+
+def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, capfd) -> None:
+    """The loop runs on a board of twins, and only uses the port, files and commands."""
+    hardware = load_scene(HARDWARE)
+    core, recorded = hardware.twin().core, hardware.vectors()
+    assert isinstance(core, Engine)
+    # Every fourth row of the recording is touched.
+    listed = tmp_path / "placements.csv"
+    rows = [f"{load:g},{position:g}" for load, position, *_ in recorded.targets[::4]]
+    listed.write_text("\n".join(["load,position", *rows, ""]))
+    names, placements = recording.labels_of(listed)
+    readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
+    with TwinBoard(hardware) as simulated, Line(simulated.port, 1_000_000) as line:
+        ask = recording.simulated_ask(simulated, placements, names)
+        with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
+            source = recording.listed(names, placements, ask)
+            recording.record(line, Board(hardware, hardware), source, file, 2, print)
+        assert file.rows == len(rows)
+        # The load in grams, which is outside of the codes.
+        head, *lines = readings.read_text().splitlines()
+        cells = [line.split(",") for line in lines]
+        grams = [",".join([*row[:4], f"{1000 * float(row[4]):g}", row[5]]) for row in cells]
+        readings.write_text("\n".join([head.replace("load", "grams"), *grams, ""]))
+
+        assert not call("scene", readings, "grams,position", "--to", rig, "--hardware", HARDWARE)
+        text = rig.read_text()
+        assert 'scale = { grams = "auto" }' in text
+        text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", text)
+        rig.write_text(text.replace("restarts = 8", "restarts = 1"))
+
+        assert not call("train", rig, "--build", tmp_path / "build", "--workers", 1)
+        mine = Board(load_scene(str(rig)), hardware)
+        assert loading.load(line, mine) == len(scene_image(mine.scene, core).to_bytes())
+
+        simulated.place({"load": 0.9, "position": 0.45})
+        line.drop()
+        monitor = Monitor(mine, print)
+        ends = iter([False] * 20 + [True])
+        monitor.listen(line, lambda: next(ends))
+        state = monitor.state()
+    engine = Engine.of(mine.scene.mlps(), arrangement=mine.scene.arrangement)
+    row = np.abs(recorded.targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
+    expected = mine.scene.outputs_in_units(engine.process(recorded.codes[row : row + 1]))
+    shown = [float(output["text"]) for output in state["outputs"]]
+    assert [output["name"] for output in state["outputs"]] == ["grams", "position"]
+    assert shown == pytest.approx(expected[0], abs=0.06)
+    assert abs(shown[0] - 900) < 100
+
+
+def test_a_recording_without_a_sensor_is_refused(tmp_path: Path) -> None:
+    """A sensor that never moved is left out, and the board would read another in its place."""
+    rows = ["sensor1,sensor2,sensor3,sensor4,load"]
+    rows += [f"{n**0.5 / 6},{n * n / 1000},0.5,{(n % 7) / 9},{n}" for n in range(30)]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    said = "got the sensors sensor1, sensor2, sensor4, expected sensor1, sensor2, sensor3.*; "
+    with pytest.raises(InputError, match=f"{said}sensor3 is left out: 0.5 in every row"):
+        call("scene", tmp_path / "a.csv", "load", f"--hardware={HARDWARE}")
+    assert not (tmp_path / "a.toml").exists()
+
+
+ROWS = 30
+LABELS = ("fist", "flat", "long wave")
+INSTRUMENT = f"""
+{FRONT_END}converter = "mcp3208"
+[uart]
+"""
+
+
+@pytest.fixture
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A scene whose network, which nobody has trained, decides for each label now and then."""
+    monkeypatch.chdir(tmp_path)
+    path = write_hand(tmp_path, ROWS, LABELS, INSTRUMENT)
+    hidden, output = layers_of(random_network((2, 4, 3), ("relu", "linear"), 1.0, 1))
+    found = network_of((hidden, Dense(output.weights, 0 * output.biases, "linear")))
+    write_network(path.with_suffix(".npz"), found)
+    hardware = 'precision = "exact"\nclock_mhz = 25.0\nargmax = true'
+    path.write_text(path.read_text().replace('precision = "exact"', hardware))
+    return path
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("argmax", ["true", "false"])
+def test_a_recording_has_the_words_of_a_prediction(path: Path, argmax: str) -> None:
+    """Hardware that sends no winner sends the outputs from which it follows."""
+    path.write_text(path.read_text().replace("argmax = true", f"argmax = {argmax}"))
+    board = board_of(str(path))
+    assert board.layout.decides == (argmax == "true")
+    with (
+        TwinBoard(board.scene) as simulated,
+        Line(simulated.port, board.baud) as line,
+        GrowingCsv(Path("all.csv"), csv_columns(board)) as file,
+    ):
+        monitor = Monitor(board, print, file)
+        monitor.listen(line, lambda: monitor.decoder.tally.frames >= ROWS)
+    call("predict", path, "hand.csv", "out.csv")
+    seen, known = rows_of(Path("all.csv"))[:ROWS], rows_of(Path("out.csv"))
+    assert len({row["gesture_predicted"] for row in known}) > 1
+    for column in ("gesture_predicted", "margin"):
+        assert [row[column] for row in seen] == [row[column] for row in known]
+
+
+def test_labels_are_recorded(path: Path, capfd) -> None:
+    Path("labels.csv").write_text("gesture\nlong wave\nfist\n")
+    call("record", path, "twin", "new.csv", "--labels=labels.csv", "--frames=2")
+    assert [row["gesture"] for row in rows_of(Path("new.csv"))] == ["long wave", "fist"]
+    scene = board_of(str(path)).scene
+    assert nearest_row(scene, {"gesture": "flat"}) == 1
+    with pytest.raises(InputError, match=re.escape("got no row of 'nix', expected one of fist, f")):
+        nearest_row(scene, {"gesture": "nix"})
+
+
+def test_what_is_typed_is_a_label() -> None:
+    lines, said = iter(["flat", "a,b", "long wave", ""]), []
+    found = list(typed(["gesture"], lambda _: next(lines), said.append, read_label))
+    assert found == [("flat",), ("long wave",)]
+    assert said[1] == "got 'a,b', expected one gesture, without a comma"

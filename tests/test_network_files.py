@@ -1,67 +1,126 @@
 """Tests network files of other programs, and what is refused with its name."""
 
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import onnx
 import pytest
 from conftest import recorded_of
+from hypothesis import given, reject, settings
+from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
+from refused import call
 from scipy.io import savemat
+from test_engine import random_codes
 
+from golden.input_error import InputError
+from golden.networks.bounds import engine_bounds
 from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
+from golden.trained.dense import (
+    ACTIVATIONS,
+    Quantiser,
+    Trained,
+    layers_of,
+    network_of,
+)
 from golden.trained.mlp import Mlp
-from tactus.cli.network import main as convert
-from tactus.network_files.network_file import load_network, write_network
+from tactus.core.finding import OK
+from tactus.network_files.network_file import held_in, load_network, write_network
 from tactus.network_files.onnx import EXPRESSIONS
+from tactus.network_files.parsed import Ending, ParsedLayer, ParsedNetwork, for_labels
+from tactus.rig.check import networks_there
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import write_scene
-from tb.common.cases import random_mlp
+from tb.common.cases import random_mlp, random_network
 
 SHAPE = (3, 5, 2)
 DATA = Path(__file__).parent / "data"
 FORMS = [".npz", ".mat", ".onnx"]
+QONNX = "qonnx.custom_op.general"
 
 
-def same(one: Mlp, other: Mlp) -> bool:
-    names = ("w1", "b1", "w2", "b2")
-    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in names)
+def same(one: Trained, other: Trained) -> bool:
+    return type(one) is type(other) and all(
+        np.array_equal(a.weights, b.weights)
+        and np.array_equal(a.biases, b.biases)
+        and (a.activation_text, a.leak) == (b.activation_text, b.leak)
+        for a, b in zip(layers_of(one), layers_of(other), strict=True)
+    )
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("shape", [SHAPE, (1, 1, 1)])
-def test_every_form_gives_the_same_network_back(tmp_path: Path, form: str, shape) -> None:
-    mlp = random_mlp(shape, 1.0, 1)
-    write_network(tmp_path / f"net{form}", mlp)
-    assert same(load_network(tmp_path / f"net{form}", shape), mlp)
-    assert [p.name for p in tmp_path.iterdir()] == [f"net{form}"]
+TANH = ("tanh",)
+ROUND_TRIPS = [
+    *((form, shape, TANH) for form in FORMS for shape in (SHAPE, (1, 1, 1))),
+    *((form, (3, 4, 5, 2), ("relu", "tanh")) for form in FORMS if form != ".mat"),
+    *((form, (2, 3, 1), ("sigmoid",)) for form in FORMS if form != ".mat"),
+    *((f, (3, 2, 4, 3, 2), ("leaky_relu", "hard_tanh", "linear")) for f in FORMS if f != ".mat"),
+]
 
 
-def test_our_onnx_computes_what_our_float_network_computes(tmp_path: Path) -> None:
-    mlp = random_mlp(SHAPE, 1.0, 1)
-    write_network(tmp_path / "net.onnx", mlp)
-    frames = np.random.default_rng(1).uniform(-1, 1, (20, 3))
-    (results,) = ReferenceEvaluator(str(tmp_path / "net.onnx")).run(None, {"x": frames})
-    assert np.allclose(results, mlp.process(frames), atol=1e-14)
+@pytest.mark.parametrize(("form", "shape", "kinds"), ROUND_TRIPS)
+def test_a_file_gives_the_same_network_back(tmp_path: Path, form: str, shape, kinds) -> None:
+    """ONNX's own reference implementation computes what the network in floating point does."""
+    network, path = random_network(shape, kinds, 1.0, 1), tmp_path / f"net{form}"
+    if kinds[0] == "leaky_relu":
+        first, *others = layers_of(network)
+        network = network_of([replace(first, leak=0.25), *others])
+    write_network(path, network)
+    for asked in (shape, (shape[0], 0, shape[-1])):
+        assert same(load_network(path, asked), network)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+    if form == ".onnx":
+        x = np.random.default_rng(1).uniform(-1, 1, (20, shape[0]))
+        (results,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+        assert np.allclose(results, network.process(x), atol=1e-14)
+
+
+def test_arrays_of_an_npz_that_do_not_go_together(tmp_path: Path) -> None:
+    arrays = {
+        f"{name}{n}": np.ones((2, 2)[: 2 - (name == "b")]) for name in "wb" for n in (1, 2, 3)
+    }
+    two = np.array(["relu", "leaky_relu"])
+    for more, message in (
+        ({}, "got an array 'w3' and 1 activations, expected an activation for each layer but"),
+        ({"activations": np.array([1, 2])}, "activations: got int64 of shape"),
+        ({"activations": np.array(["relu", "rellu"])}, "layer 2: activation: got 'rellu', exp"),
+        ({"activations": two, "leaks": np.array([0.1])}, "leaks: got 1 numbers, expected 2"),
+        ({"activations": two, "leaks": np.array([9, 9])}, "layer 2: leak: got 9.0, expected 0 to"),
+        ({"activations": np.array(["relu"] * 3)}, "no array 'w4', got w1"),
+    ):
+        np.savez(tmp_path / "net.npz", **arrays, **more)
+        with pytest.raises(InputError, match=f"net.npz: {message}"):
+            load_network(tmp_path / "net.npz", (2, 0, 2))
 
 
 SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-target-3-5-1"]
 
 
-@pytest.mark.parametrize("name", ["sklearn-3-5-1", "sklearn-3-5-2", *SCALED_FILES])
-def test_a_network_from_scikit_learn(name: str) -> None:
-    """skl2onnx writes Cast, MatMul, Add, Tanh, MatMul, Add, Reshape.
+FRAMEWORKS = ["torch-4-16-4", "torch-legacy-4-16-4", "keras-4-16-4"]
 
-    A StandardScaler is a Scaler, or Sub and Div; the target may be scaled (make_onnx.py).
+
+@pytest.mark.parametrize("name", ["sklearn-3-5-1", "sklearn-3-5-2", *SCALED_FILES, *FRAMEWORKS])
+def test_a_network_from_a_framework(name: str) -> None:
+    """The frameworks wrote these files themselves, each with eight inputs and its outputs.
+
+    skl2onnx (make_onnx.py) writes Cast, MatMul, Add, Tanh, MatMul, Add, Reshape. A StandardScaler
+    is a Scaler, or Sub and Div; the target may be scaled.
+    torch 2.15, ``net = Sequential(Linear(4, 16), Tanh(), Linear(16, 4))``:
+    ``torch.onnx.export(net, (x,), "torch-4-16-4.onnx", dynamo=True)``, ``False`` for legacy;
+    stack traces, which name folders of the machine, are taken out of the nodes' metadata.
+    keras 3.15 with tensorflow 2.21 and tf2onnx 1.17,
+    ``net = Sequential([Input((4,)), Dense(16, activation="tanh"), Dense(4)])``, random biases:
+    ``net.export("keras-4-16-4.onnx", format="onnx")``.
     """
-    outputs = int(name[-1])
-    mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
-    recorded = recorded_of(name)
-    expected = recorded["y"].reshape(-1, outputs)
+    shape = (4, 16, 4) if name in FRAMEWORKS else (3, 5, int(name[-1]))
+    mlp, recorded = load_network(DATA / f"{name}.onnx", shape), recorded_of(name)
+    expected = recorded["y"].reshape(-1, shape[-1])
     # scikit-learn predicts in double precision, but float32 has only 24 bits.
     assert np.allclose(mlp.process(recorded["x"]), expected, rtol=1e-6, atol=1e-6)
+    assert min(np.abs(mlp.b1).min(), np.abs(mlp.b2).min()) > 0
 
 
 @pytest.mark.parametrize("name", SCALED_FILES)
@@ -89,43 +148,26 @@ def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str
     assert (bound < 0.02).all()
 
 
-@pytest.mark.parametrize("name", ["torch", "torch-legacy", "keras"])
-def test_a_network_from_pytorch_and_keras(name: str) -> None:
-    """The frameworks wrote these files themselves, each with eight inputs and its outputs.
-
-    torch 2.15, ``net = Sequential(Linear(4, 16), Tanh(), Linear(16, 4))``:
-    ``torch.onnx.export(net, (x,), "torch-4-16-4.onnx", dynamo=True)``, ``False`` for legacy;
-    stack traces, which name folders of the machine, are taken out of the nodes' metadata.
-    keras 3.15 with tensorflow 2.21 and tf2onnx 1.17,
-    ``net = Sequential([Input((4,)), Dense(16, activation="tanh"), Dense(4)])``, random biases:
-    ``net.export("keras-4-16-4.onnx", format="onnx")``.
-    """
-    mlp = load_network(DATA / f"{name}-4-16-4.onnx", (4, 16, 4))
-    recorded = recorded_of(f"{name}-4-16-4")
-    assert np.abs(mlp.process(recorded["x"]) - recorded["y"]).max() < 1e-6
-    assert np.abs(mlp.b1).min() > 0
-    assert np.abs(mlp.b2).min() > 0
-
-
-def graph(tmp_path: Path, nodes, constants) -> Path:
-    made = helper.make_graph(
-        nodes,
-        "test",
-        [helper.make_tensor_value_info("x", TensorProto.DOUBLE, [None, 3])],
-        [helper.make_tensor_value_info("y", TensorProto.DOUBLE, [None, 2])],
-        [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()],
+def graph(folder: Path, nodes, constants, inputs: int = 3, kind=TensorProto.DOUBLE) -> Path:
+    """A file of a graph from x to y, which may use the operators of ai.onnx.ml and of QONNX."""
+    x = helper.make_tensor_value_info("x", kind, [None, inputs])
+    y = helper.make_tensor_value_info("y", kind, [None, None])
+    tensors = [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()]
+    opsets = [("", 21), ("ai.onnx.ml", 3), (QONNX, 1)]
+    model = helper.make_model(
+        helper.make_graph(nodes, "test", [x], [y], tensors),
+        opset_imports=[helper.make_opsetid(*one) for one in opsets],
     )
-    path = tmp_path / "net.onnx"
-    onnx.save(helper.make_model(made), str(path))
-    return path
+    onnx.save(model, str(folder / "net.onnx"))
+    return folder / "net.onnx"
 
 
 def constants(mlp: Mlp) -> dict[str, np.ndarray]:
     return {"w1": mlp.w1.T, "b1": mlp.b1, "w2": mlp.w2.T, "b2": mlp.b2}
 
 
-def node(kind: str, inputs: str, output: str, **attributes):
-    return helper.make_node(kind, inputs.split(), [output], name=f"my_{kind}", **attributes)
+def node(kind: str, inputs: str, outputs: str, **attributes):
+    return helper.make_node(kind, inputs.split(), outputs.split(), f"my_{kind}", **attributes)
 
 
 def scaler(inputs: str, output: str, **attributes):
@@ -193,9 +235,6 @@ def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> N
         node("Sub", "ends d2", "y"),
     ]
     path = graph(tmp_path, nodes, constants(mlp) | SCALED)
-    model = onnx.load(str(path))
-    model.opset_import.append(helper.make_opsetid("ai.onnx.ml", 3))
-    onnx.save(model, str(path))
     x = np.random.default_rng(1).uniform(-5, 5, (20, 3))
     (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
     assert np.allclose(load_network(path, SHAPE).process(x), expected, atol=1e-5)
@@ -259,9 +298,320 @@ def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_scene_can_name_any_form(small_scene: Scene, monkeypatch, form: str) -> None:
+def test_a_scene_can_name_any_form(small_scene: Scene, form: str) -> None:
     file = small_scene.path.with_name(f"other{form}")
-    monkeypatch.setattr("sys.argv", ["convert", str(small_scene.path), str(file)])
-    convert()
+    call("network", small_scene.path, file)
     small_scene.path.write_text(small_scene.path.read_text().replace("small.npz", file.name))
     assert load_scene(str(small_scene.path)).twin() == small_scene.twin()
+
+
+THREE = ("rest", "swipe", "tap")
+FILES = {
+    "sklearn-classes": ((3, 6, 4, 3), Ending("Softmax", THREE)),
+    "sklearn-classes-plain": ((3, 5, 3), Ending("Softmax", (0, 10, 20))),
+    "sklearn-classes-columns": ((3, 5, 3), Ending("Softmax", THREE)),
+    "sklearn-two-classes": ((3, 5, 1), Ending("Sigmoid", ("none", "touch"))),
+    "sklearn-two-classes-plain": ((3, 5, 1), Ending("Sigmoid", (0, 1))),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_classifier_from_scikit_learn(name: str) -> None:
+    """A pipeline of a StandardScaler and an MLPClassifier, with and without ZipMap."""
+    shape, ending = FILES[name]
+    path = DATA / f"{name}.onnx"
+    assert held_in(path).ending == ending
+    network = load_network(path, (3, 0, shape[-1]))
+    assert network.shape == shape
+    recorded = recorded_of(name)
+    values, expected = network.process(recorded["x"]), recorded["labels"].tolist()
+    places = values.argmax(axis=1) if shape[-1] > 1 else (values[:, 0] > 0).astype(int)
+    assert [ending.labels[place] for place in places] == expected
+    assert len(set(expected)) == max(shape[-1], 2)
+
+
+def test_make_check_tells_where_a_classifier_ends(tmp_path: Path) -> None:
+    network = random_mlp((3, 5, 1), 1.0, 1)
+    for name, said in (
+        ("sklearn-two-classes-plain", "a 3:5:1 network that ends in front of Sigmoid; its classes"),
+        ("sklearn-3-5-1", "a 3:5:1 network"),
+    ):
+        path = write_scene(tmp_path, "classes", "exact", [network])
+        text = path.read_text().replace('"classes.npz"', f'"{DATA / name}.onnx"')
+        path.write_text(text)
+        (found,) = networks_there(load_scene(str(path)))
+        assert (found.verdict, found.text[: len(said)]) == (OK, said)
+        assert found.text.endswith("are 0, 1") == ("classes" in name)
+
+
+NETWORKS = {width: random_mlp((3, 5, width), 1.0, 1) for width in (1, 2)}
+CONSTANTS = {"one": 1.0, "names": np.array(["up", "down"]), "sizes": np.array(["10", "9"])}
+
+
+def classifier(tmp_path: Path, tail: list, outputs: str, width: int = 2) -> Path:
+    """A network of Gemm, Tanh and Gemm, whose values are ``v``, with ``tail`` behind it."""
+    path = tmp_path / "net.onnx"
+    write_network(path, NETWORKS[width])
+    graph = onnx.load(str(path)).graph
+    graph.node[-1].output[0] = "v"
+    graph.node.extend(tail)
+    tensors = [numpy_helper.from_array(np.asarray(v), k) for k, v in CONSTANTS.items()]
+    ends = [helper.make_tensor_value_info(o, TensorProto.DOUBLE, None) for o in outputs.split()]
+    made = helper.make_graph(
+        graph.node, "test", list(graph.input), ends, [*graph.initializer, *tensors]
+    )
+    onnx.save(helper.make_model(made), str(path))
+    return path
+
+
+SOFTMAX = node("Softmax", "v", "p")
+ARGMAX = node("ArgMax", "p", "k", axis=1)
+TWO = [node("Sigmoid", "v", "b"), node("Sub", "one b", "a"), node("Concat", "a b", "p", axis=1)]
+ENDS = {
+    "softmax": ([SOFTMAX], "p", 2, Ending("Softmax")),
+    "the logarithm": ([node("LogSoftmax", "v", "p", axis=-1)], "p", 2, Ending("LogSoftmax")),
+    "the number of the class": (
+        [node("ArgMax", "v", "k", axis=1, keepdims=0)],
+        "k",
+        2,
+        Ending("ArgMax"),
+    ),
+    "both": ([SOFTMAX, ARGMAX, node("Squeeze", "k", "y")], "p y", 2, Ending("Softmax")),
+    "labels": (
+        [SOFTMAX, ARGMAX, node("Gather", "names k", "y")],
+        "y",
+        2,
+        Ending("Softmax", ("up", "down")),
+    ),
+    "labels of two": (
+        [*TWO, ARGMAX, node("ArrayFeatureExtractor", "names k", "y", domain="ai.onnx.ml")],
+        "y p",
+        1,
+        Ending("Sigmoid", ("up", "down")),
+    ),
+    "labels as an output": ([SOFTMAX], "p names", 2, Ending("Softmax")),
+}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_the_network_ends_in_front_of_what_tells_the_class(tmp_path: Path, name: str) -> None:
+    tail, outputs, width, ending = ENDS[name]
+    path = classifier(tmp_path, tail, outputs, width)
+    found, expected = load_network(path, (3, 5, width)), NETWORKS[width]
+    assert all(np.array_equal(getattr(found, n), getattr(expected, n)) for n in ("w2", "b2"))
+    assert held_in(path).ending == ending
+
+
+def test_a_sigmoid_alone_is_the_probability_that_it_was(tmp_path: Path) -> None:
+    path = classifier(tmp_path, [node("Sigmoid", "v", "p")], "p", 1)
+    assert load_network(path, (3, 0, 1)).activations == ("tanh", "sigmoid")
+    assert held_in(path).ending is None
+
+
+def test_an_output_that_nothing_gives_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"operator Softmax .*: gives no output 'q' of the graph"):
+        load_network(classifier(tmp_path, [SOFTMAX], "p q"), (3, 0, 2))
+
+
+def scene_of_classes(tmp_path: Path, network: Path, labels: tuple[str, ...]) -> Path:
+    """A scene of three sensors and five hidden nodes, with a row for each label."""
+    rows = [f"{n / 8},{-n / 8},0.25,{label}" for n, label in enumerate(labels)]
+    (tmp_path / "own.csv").write_text("\n".join(["a,b,c,kind", *rows, ""]))
+    scene = tmp_path / "own.toml"
+    scene.write_text(
+        '[data]\nfile = "own.csv"\nsensors = ["a", "b", "c"]\nclasses = "kind"\n[network]\n'
+        f'arrangement = "single"\nhidden = 5\nweights = ["{network}"]\n[hardware]\n'
+        'design = "engine"\nprecision = "exact"\n'
+    )
+    return scene
+
+
+DRAWN = np.random.default_rng(1).uniform(-1, 1, (200, 3))
+
+
+@pytest.mark.parametrize("labels", [("none", "touch"), ("touch", "none")])
+def test_one_output_tells_two_classes_apart(tmp_path: Path, labels: tuple[str, ...]) -> None:
+    """What scikit-learn writes for two classes decides as it does, whatever the labels' order."""
+    path = DATA / "sklearn-two-classes.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, labels)))
+    assert scene.labels == ("none", "touch")
+    (member,) = scene.members
+    recorded = recorded_of(path.stem)
+    decided = member.load().process(recorded["x"]).argmax(axis=1)
+    assert [scene.labels[n] for n in decided] == recorded["labels"].tolist()
+    (found,) = networks_there(scene)
+    assert found.text.endswith("its classes are none, touch")
+
+
+def test_outputs_stand_in_the_order_of_the_labels(tmp_path: Path) -> None:
+    """scikit-learn sorts texts, so 10 stands in front of 9; a scene sorts whole numbers."""
+    path = classifier(tmp_path, [SOFTMAX, ARGMAX, node("Gather", "sizes k", "y")], "y")
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("10", "9"))))
+    assert scene.labels == ("9", "10")
+    own = NETWORKS[2].process(DRAWN)
+    assert np.allclose(scene.members[0].load().process(DRAWN), own[:, ::-1], atol=1e-6)
+
+
+def test_numbers_of_classes_stand_for_labels_in_their_order(tmp_path: Path) -> None:
+    path = DATA / "sklearn-two-classes-plain.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("up", "down"))))
+    (found,) = networks_there(scene)
+    assert found.text.endswith("its classes are 0, 1, which are taken for down, up in this order")
+
+
+def test_a_file_of_other_classes_is_refused(tmp_path: Path) -> None:
+    path = DATA / "sklearn-two-classes.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("up", "down"))))
+    expected = r"\.onnx: got a network for the classes none, touch, expected down, up, the labels"
+    with pytest.raises(InputError, match=expected):
+        scene.networks()
+
+
+@pytest.mark.parametrize(("width", "tail"), [(1, "Sigmoid"), (1, ""), (2, "Sigmoid")])
+def test_a_sigmoid_at_the_end_is_left_out(tmp_path: Path, width: int, tail: str) -> None:
+    """Keras ends with it, and PyTorch with the value in front of it."""
+    path = tmp_path / "net.onnx"
+    write_network(path, NETWORKS[width])
+    if tail:
+        model = onnx.load(str(path))
+        graph = model.graph
+        graph.node.append(node("Sigmoid", graph.node[-1].output[0], "p"))
+        graph.output[0].name = "p"
+        onnx.save(model, str(path))
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("a", "b"))))
+    network, own = scene.members[0].load(), NETWORKS[width].process(DRAWN)
+    assert network.shape == (3, 5, 2)
+    expected = own.argmax(axis=1) if width > 1 else (own[:, 0] > 0).astype(int)
+    assert 0 < expected.sum() < len(expected)
+    assert np.array_equal(network.process(DRAWN).argmax(axis=1), expected)
+
+
+def test_a_quantised_sigmoid_at_the_end_decides_at_a_half() -> None:
+    quantiser = Quantiser(1 / 8, 0, 0, 7)
+    first = ParsedLayer(np.ones((1, 3)), np.zeros(1), "sigmoid", quantiser=quantiser)
+    held = ParsedNetwork((first, ParsedLayer(np.eye(1), np.zeros(1))))
+    last = for_labels(Path("net.npz"), held, ("a", "b")).layers[-1]
+    assert last.weights.tolist() == [[0], [1]]
+    assert last.biases.tolist() == [0.5, 0]
+
+
+def chain(*activations) -> list:
+    """Three layers as Keras writes them, the nodes of each activation behind the first two."""
+    nodes, value = [], "x"
+    for n, made in enumerate([*activations, []], start=1):
+        nodes += [node("MatMul", f"{value} w{n}", f"a{n}"), node("Add", f"a{n} b{n}", f"q{n}")]
+        value = f"q{n}"
+        for k, (kind, more, attributes) in enumerate(made):
+            nodes.append(node(kind, f"{value} {more}", f"r{n}{k}", **attributes))
+            value = f"r{n}{k}"
+    nodes[-1].output[0] = "y"
+    return nodes
+
+
+def numbers() -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(1)
+    found = {
+        "gain": rng.uniform(0.5, 2, 4),
+        "offset": rng.normal(0, 1, 4),
+        "mean": rng.normal(0, 1, 4),
+        "variance": rng.uniform(0.5, 2, 4),
+        "slope": np.array([0.3]),
+        "one": np.array(1.0),
+        "minus_one": np.array(-1.0),
+    }
+    for n, (inputs, outputs) in enumerate(pairwise((3, 4, 5, 2)), start=1):
+        found[f"w{n}"] = rng.normal(0, 1, (inputs, outputs))
+        found[f"b{n}"] = rng.normal(0, 1, outputs)
+    return found
+
+
+NORMALISED = ("BatchNormalization", "gain offset mean variance", {"epsilon": 1e-3})
+UNDERSTOOD = {
+    "relu": (("Relu", "", {}),),
+    "sigmoid": (("Sigmoid", "", {}),),
+    "tanh": (("Tanh", "", {}),),
+    "leaky": (("LeakyRelu", "", {"alpha": 0.2}),),
+    "leaky as PyTorch has it": (("LeakyRelu", "", {}),),
+    "one slope": (("PRelu", "slope", {}),),
+    "clipped": (("Clip", "minus_one one", {}),),
+    "nothing": (),
+    "normalised before": (NORMALISED, ("Relu", "", {})),
+    "normalised behind": (("Relu", "", {}), NORMALISED),
+    "flattened": (("Flatten", "", {}), ("Relu", "", {})),
+}
+
+
+@pytest.mark.parametrize("name", UNDERSTOOD)
+def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
+    path = graph(tmp_path, chain(UNDERSTOOD[name], [("Relu", "", {})]), numbers())
+    x = np.random.default_rng(2).normal(0, 2, (50, 3))
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    found = load_network(path, (3, 0, 2))
+    assert found.shape == (3, 4, 5, 2)
+    assert np.abs(found.process(x) - expected).max() < 1e-6
+
+
+@st.composite
+def networks(draw: st.DrawFn) -> Trained:
+    """Networks of one to four hidden layers, with a node that nothing uses."""
+    kinds = draw(st.lists(st.sampled_from(list(ACTIVATIONS)), min_size=1, max_size=4))
+    shape = draw(st.lists(st.integers(1, 5), min_size=len(kinds) + 2, max_size=len(kinds) + 2))
+    spread = draw(st.sampled_from([0.1, 1.0, 10.0]))
+    return random_network(tuple(shape), tuple(kinds), spread, draw(st.integers(0, 99)))
+
+
+@settings(max_examples=40)
+@given(network=networks())
+def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Trained) -> None:
+    codes = random_codes(network.shape[0], 40)
+    real = network.process(SIGNAL.to_real(codes))
+    wanted = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
+    try:
+        engine = Engine.of([network])
+    except InputError as error:
+        # Sums of five layers of large weights may grow beyond what a program holds.
+        if "products of 18 bits" not in str(error):
+            raise
+        reject()
+    off = np.abs(SIGNAL.to_real(engine.process(codes)) - wanted)
+    assert (off <= engine_bounds(network, 9, network.shape[0])).all()
+
+
+@pytest.mark.parametrize(
+    ("place", "layer", "size"), [("weights", 0, 1e9), ("biases", 0, 1e9), ("weights", 1, 1e9)]
+)
+@pytest.mark.parametrize("activation", ["tanh", "hard_tanh"])
+def test_weights_that_no_format_holds_are_refused(activation, place, layer, size) -> None:
+    layers = list(layers_of(random_network((3, 4, 2), (activation,), 1.0, 1)))
+    getattr(layers[layer], place)[1] = size
+    with pytest.raises(
+        InputError, match=rf"layer {layer + 1}: node 2: got a weight or a bias that takes \d+ prod"
+    ):
+        Engine.of([network_of(layers)])
+
+
+def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
+    first, second, last = random_network((3, 4, 5, 2), ("relu", "relu"), 1.0, 1).layers
+    # The last node of layer 2 alone uses the first of layer 1.
+    second.weights[:-1, 0] = 0
+    last.weights[:, -1] = 0
+    engine = Engine.of([network_of([first, second, last])])
+    names = [neuron.name for neuron in engine.graph.neurons]
+    assert engine.useless_nodes == 3
+    assert names == [
+        *(f"layer 1 node {n}" for n in (2, 3)),
+        *(f"layer 2 node {n}" for n in (1, 2, 3, 4)),
+        "output 1",
+        "output 2",
+    ]
+
+
+def test_a_scene_may_name_activations_or_leave_them_to_the_file(tmp_path: Path) -> None:
+    network = random_network((3, 4, 5, 2), ("relu", "sigmoid"), 1.0, 1)
+    path = write_scene(
+        tmp_path, "several", "exact", [network], activation="precise", design="engine"
+    )
+    text = path.read_text()
+    for hidden in ("[4, 5]", "0", '[4, 5]\nactivations = ["relu", "sigmoid"]'):
+        path.write_text(text.replace("hidden = [4, 5]", f"hidden = {hidden}"))
+        assert load_scene(str(path)).describe() == "3:4:5:2"

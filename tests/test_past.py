@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import call
 
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
@@ -16,7 +17,6 @@ from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from golden.sensing.frame_window import FrameWindow
 from golden.trained.window import Window
-from tactus.cli.predict import main as predict
 from tactus.cli.train import train_scene
 from tactus.core.table import read_table, write_table
 from tactus.errors import held_out_rows, provenances
@@ -154,11 +154,10 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
 
 
 def test_predictions_of_rows_without_a_whole_past_are_empty(
-    trained: Scene, tmp_path: Path, monkeypatch, capfd
+    trained: Scene, tmp_path: Path, capfd
 ) -> None:
     source, to = trained.data_paths[0], tmp_path / "out.csv"
-    monkeypatch.setattr("sys.argv", ["predict", str(trained.path), str(source), str(to)])
-    predict()
+    call("predict", trained.path, source, to)
     assert "the first 5 of 60 rows have no whole past and no outputs" in capfd.readouterr().out
     with to.open() as handle:
         rows = list(csv.DictReader(handle))
@@ -171,7 +170,7 @@ def test_predictions_of_rows_without_a_whole_past_are_empty(
     assert np.array_equal(np.round(np.array(found) * 8192), wanted)
     write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
     with pytest.raises(InputError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
-        predict()
+        call("predict", trained.path, source, to)
 
 
 @pytest.mark.parametrize("longest", [46, 47])

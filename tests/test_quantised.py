@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
+from test_network_files import QONNX, graph
 
 from golden.engine.neurons import graph_of
 from golden.engine.quantise import integer_networks
@@ -32,21 +33,6 @@ from tactus.scene.scale import Scale, on_signals
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_network
 
-QONNX = "qonnx.custom_op.general"
-
-
-def save(path: Path, nodes, constants, inputs: int, kind=TensorProto.DOUBLE) -> Path:
-    made = helper.make_graph(
-        nodes,
-        "test",
-        [helper.make_tensor_value_info("x", kind, [None, inputs])],
-        [helper.make_tensor_value_info("y", kind, [None, None])],
-        [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()],
-    )
-    opsets = [helper.make_opsetid("", 21), helper.make_opsetid(QONNX, 1)]
-    onnx.save(helper.make_model(made, opset_imports=opsets), str(path))
-    return path
-
 
 def quant(taken: str, parameters: str, given: str, **attributes):
     """A Quant, of whose parameters the names begin with ``parameters``."""
@@ -57,9 +43,9 @@ def quant(taken: str, parameters: str, given: str, **attributes):
 
 def node_by_node(path: Path, x: np.ndarray) -> np.ndarray:
     """What a graph with operators of QONNX gives, as their definitions say."""
-    graph = onnx.load(str(path)).graph
-    values = {c.name: numpy_helper.to_array(c) for c in graph.initializer} | {"x": x}
-    for node in graph.node:
+    held = onnx.load(str(path)).graph
+    values = {c.name: numpy_helper.to_array(c) for c in held.initializer} | {"x": x}
+    for node in held.node:
         taken = [values[name] for name in node.input]
         if node.op_type == "Quant":
             attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
@@ -113,7 +99,7 @@ class Plan:
         odds = self.odds or (1,) * (len(self.shape) - 1)
         return [self.unit * float(np.prod(odds[:n])) for n in range(len(odds) + 1)]
 
-    def save(self, path: Path) -> Path:
+    def save(self, folder: Path) -> Path:
         rng = np.random.default_rng(self.seed)
         nodes, constants, value = [], {}, "x"
 
@@ -166,7 +152,7 @@ class Plan:
                 quant(value, f"q{n}", f"q{n}", signed=int(signed), rounding_mode=self.rounding)
             )
             value = f"q{n}"
-        return save(path, nodes, constants, self.shape[0])
+        return graph(folder, nodes, constants, self.shape[0])
 
 
 @st.composite
@@ -220,7 +206,7 @@ def hidden_codes(network: DenseNetwork, codes: np.ndarray) -> list[np.ndarray]:
 @settings(max_examples=30)
 @given(plan=plans())
 def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan) -> None:
-    path = plan.save(tmp_path_factory.mktemp("qonnx") / "net.onnx")
+    path = plan.save(tmp_path_factory.mktemp("qonnx"))
     codes = codes_for(plan.shape[0])
     samples = SIGNAL.to_real(codes)
     expected = node_by_node(path, samples * plan.unit)
@@ -275,7 +261,7 @@ def test_a_network_of_bytes_is_exact_on_the_engine(tmp_path: Path, zero, seed: i
         *behind("o", "w2_m", 2**-6, zero, constants),
     ]
     nodes[-1].output[0] = "y"
-    path = save(tmp_path / "net.onnx", nodes, constants, 3, TensorProto.FLOAT)
+    path = graph(tmp_path, nodes, constants, 3, TensorProto.FLOAT)
     codes = codes_for(3, 300)
     samples = SIGNAL.to_real(codes).astype(np.float32)
     (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": samples})
@@ -288,7 +274,7 @@ def test_a_network_of_bytes_is_exact_on_the_engine(tmp_path: Path, zero, seed: i
 
 def example(tmp_path: Path, **changed) -> Path:
     """A small network of QONNX, some of whose settings are others."""
-    return Plan(**changed).save(tmp_path / "net.onnx")
+    return Plan(**changed).save(tmp_path)
 
 
 def changed(path: Path, name: str, value) -> Path:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refused import call
 
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
@@ -20,7 +21,6 @@ from golden.networks.oracle import exact
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork
-from tactus.cli.predict import main as predict_main
 from tactus.core.finding import OK, WARNING
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
@@ -193,7 +193,7 @@ def test_hidden_sums_that_saturate_in_recorded_frames_are_warned_of(
     )
 
 
-def test_predict_counts_what_new_readings_saturate(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_predict_counts_what_new_readings_saturate(tmp_path: Path, capsys) -> None:
     scene = scene_of(tmp_path, wide(), quiet(24, 60))
     new = quiet(24, 6, seed=9)
     weights = scene.networks()[0].layers[0].weights
@@ -202,9 +202,7 @@ def test_predict_counts_what_new_readings_saturate(tmp_path: Path, monkeypatch, 
     text = [",".join(header)]
     text += [",".join(map(str, row)) for row in SIGNAL.to_real(new).tolist()]
     (tmp_path / "new.csv").write_text("\n".join(text) + "\n")
-    paths = [str(tmp_path / name) for name in ("new.csv", "out.csv")]
-    monkeypatch.setattr("sys.argv", ["predict", str(scene.path), *paths])
-    predict_main()
+    call("predict", scene.path, tmp_path / "new.csv", tmp_path / "out.csv")
     out = capsys.readouterr().out
     count = scene.twin().core.saturations(new)["layer 1"]
     assert count[2]

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import call
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from tactus.cli.recalibrate import main
 from tactus.core.table import write_table
 from tactus.network_files.network_file import provenance_path
 from tactus.recalibration.fit import fit, left_out, misses
@@ -236,14 +236,9 @@ def placements(folder: Path, scene: Scene, count: int = 20) -> Path:
     return path
 
 
-def called(monkeypatch: pytest.MonkeyPatch, *words: object) -> None:
-    monkeypatch.setattr("sys.argv", ["make recalibrate", *map(str, words)])
-    main()
-
-
-def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, capsys) -> None:
     scene = load_scene("digit")
-    called(monkeypatch, scene.path, placements(tmp_path, scene), tmp_path / "to")
+    call("recalibrate", scene.path, placements(tmp_path, scene), tmp_path / "to")
     copy = load_scene(str(tmp_path / "to" / "digit.toml"))
     printed = capsys.readouterr().out
     for name in scene.outputs:
@@ -274,8 +269,8 @@ def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, monkeypatch,
     assert np.abs(ours - theirs).mean() < 5e-4
 
 
-def test_without_placements_some_are_proposed(monkeypatch, capsys) -> None:
-    called(monkeypatch, "digit")
+def test_without_placements_some_are_proposed(capsys) -> None:
+    call("recalibrate", "digit")
     printed = capsys.readouterr().out
     scene, recorded = digit(0.001)
     for number, one in enumerate(islice(proposed(recorded), 8), start=1):
@@ -307,16 +302,16 @@ def noiseless(folder: Path) -> Path:
     return scene
 
 
-def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, capsys) -> None:
     (tmp_path / "rail").mkdir()
     scene, rng = noiseless(tmp_path / "rail"), np.random.default_rng(2)
     once = rail_file(tmp_path, touched(OWN, 0.004, 0.2, rng))
     with pytest.raises(InputError, match=r"touches.csv: got 12 readings of 12 placements, expec"):
-        called(monkeypatch, scene, once, tmp_path / "to")
-    called(monkeypatch, scene, once, tmp_path / "to", "--noise=0.004")
+        call("recalibrate", scene, once, tmp_path / "to")
+    call("recalibrate", scene, once, tmp_path / "to", "--noise=0.004")
     assert "noise of a reading: 0.004 (NOISE)" in capsys.readouterr().out
     often = rail_file(tmp_path, touched(np.repeat(OWN, 5, axis=0), 0.004, 0.2, rng))
-    called(monkeypatch, scene, often, tmp_path / "to2")
+    call("recalibrate", scene, often, tmp_path / "to2")
     printed = capsys.readouterr().out
     assert "12 placements, 60 readings of each sensor" in printed
     found = re.search(r"noise of a reading: (.*) \(estimated from repeats\)", printed)
@@ -324,7 +319,7 @@ def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, monkeypatch, c
     assert noises == pytest.approx([0.004] * 5, rel=0.35)
     told = tomllib.loads(provenance_path(tmp_path / "to2" / "rail-force.npz").read_text())
     assert (told["placements"], told["readings"]) == (12, 60)
-    called(monkeypatch, scene)
+    call("recalibrate", scene)
     assert "noise of a reading: not known" in capsys.readouterr().out
 
 
@@ -336,7 +331,7 @@ def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, monkeypatch, c
     ],
 )
 def test_what_surely_gains_nothing_is_not_written(
-    touches: np.ndarray, drift: float, message: str, tmp_path: Path, monkeypatch, capsys
+    touches: np.ndarray, drift: float, message: str, tmp_path: Path, capsys
 ) -> None:
     """The errors of left-out placements and the expected errors are printed all the same.
 
@@ -344,7 +339,7 @@ def test_what_surely_gains_nothing_is_not_written(
     """
     path = rail_file(tmp_path, touched(touches, 0.002, drift, np.random.default_rng(1)))
     with pytest.raises(InputError, match=rf"touches.csv: nothing written: .*{message}"):
-        called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
+        call("recalibrate", RAIL, path, tmp_path / "to", "--noise=0.002")
     assert not (tmp_path / "to").exists()
     printed = capsys.readouterr().out
     assert len(re.findall(r"^ +\d+ +\S+ > ", printed, re.M)) == len(np.unique(touches, axis=0))
@@ -352,7 +347,7 @@ def test_what_surely_gains_nothing_is_not_written(
     assert re.search(r"^all +\d+ %$", printed, re.M)
 
 
-def test_a_placement_that_is_noted_wrongly_is_named(tmp_path: Path, monkeypatch) -> None:
+def test_a_placement_that_is_noted_wrongly_is_named(tmp_path: Path) -> None:
     places = np.linspace(60, 240, 7)
     touches = np.array([[force, place] for force in (12.0, 24) for place in places])
     read = touched(touches, 0.002, 0.2, np.random.default_rng(1))
@@ -361,4 +356,4 @@ def test_a_placement_that_is_noted_wrongly_is_named(tmp_path: Path, monkeypatch)
     path = rail_file(tmp_path, replace(read, targets=targets))
     message = r"place of placement 10 \(force 24, place 220\) is off by"
     with pytest.warns(UserWarning, match=message), suppress(InputError):
-        called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
+        call("recalibrate", RAIL, path, tmp_path / "to", "--noise=0.002")

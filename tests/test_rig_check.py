@@ -2,7 +2,6 @@
 
 import csv
 import re
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from refused import Desk
+from shared import run
 
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
@@ -182,9 +182,6 @@ def test_the_command_ends_with_2_where_there_is_a_fault(desk: Desk, path: Path) 
     assert desk.call("check", str(path)) == (2, f"error: {path}: {count} faults, listed above\n")
 
 
-ROOT = Path(__file__).parents[1]
-
-
 @pytest.fixture
 def scene(tmp_path: Path) -> Scene:
     """A cascade whose networks were trained on its readings, according to their provenance."""
@@ -313,16 +310,12 @@ def test_the_limit_is_that_of_the_held_out_rows() -> None:
     assert few.one_in == 4
 
 
-def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "tactus.cli.predict", *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-
-
 def test_the_command(scene: Scene) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n0.999,0.1,-5\n")
     out = scene.path.parent / "out.csv"
     out.write_text("an older one")
-    result = run(str(scene.path), str(source), str(out), "--force")
+    command = [sys.executable, "-m", "tactus.cli.predict"]
+    result = run(*command, scene.path, source, out, "--force")
     assert result.returncode == 0, result.stderr
     assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout
     assert "about 1 in 31 rows like the recorded ones is called outside, too" in result.stdout

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refused import call
 
 from golden.input_error import InputError, MissingFileError
 from golden.numbers.precision import SIGNAL
 from tactus.cli import train as command
 from tactus.cli.demo import length_lines
 from tactus.errors import scene_errors, unit_errors
-from tactus.export import __main__ as export
 from tactus.network_files.network_file import load_network, provenance_path, save_network
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
@@ -88,11 +88,9 @@ def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
     assert [line.split("  ")[0] for line in length_lines(scene)] == ["y0 in g", "y1 in its unit"]
 
 
-def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, monkeypatch, capsys) -> None:
+def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, capsys) -> None:
     scene = in_units(tmp_path)
-    words = ["tactus.export", str(scene.path), "verilog", "--build", str(tmp_path / "build")]
-    monkeypatch.setattr("sys.argv", words)
-    export.main()
+    call("vhdl", scene.path, "verilog", "--build", tmp_path / "build")
     printed = capsys.readouterr().out.splitlines()
     assert "sensor x0: code -8192 is 0 V, 8191 is 4.99969 V, one code 0.000305176 V" in printed
     assert "output y1: code -8192 is -10, 8191 is 129.991, one code 0.00854492" in printed
@@ -210,7 +208,7 @@ def with_readings(scene: Scene, column: int, values: list[str]) -> Scene:
 
 @pytest.mark.parametrize("run", ["train", "vhdl"])
 def test_a_reading_outside_the_codes_is_warned_of(
-    small_scene: Scene, tmp_path: Path, monkeypatch, run: str
+    small_scene: Scene, tmp_path: Path, run: str
 ) -> None:
     scene = with_readings(small_scene, 1, ["-3.5"])
     message = (
@@ -218,11 +216,9 @@ def test_a_reading_outside_the_codes_is_warned_of(
     )
     with pytest.warns(UserWarning, match=message):
         warn_outside(scene)
-    build = ["--build", str(tmp_path / "build")]
     words = {"train": ["--workers", "1"], "vhdl": ["verilog"]}[run]
-    monkeypatch.setattr("sys.argv", [run, str(scene.path), *words, *build])
     with pytest.warns(UserWarning, match=message):
-        (command if run == "train" else export).main()
+        call(run, scene.path, *words, "--build", tmp_path / "build")
 
 
 def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
+from refused import call
 
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
@@ -299,10 +300,8 @@ def test_a_cascade_is_written_whole_or_not_at_all(
         return original(task, record, workers)
 
     monkeypatch.setattr(command, "choose", fail_late)
-    words = ["make train", str(small_cascade.path), "--build", str(tmp_path), "--workers", "1"]
-    monkeypatch.setattr("sys.argv", words)
     with pytest.raises(InputError, match="no candidate fits"):
-        command.main()
+        call("train", small_cascade.path, "--build", tmp_path, "--workers", 1)
     assert [path.read_bytes() for path in small_cascade.weights_paths] == before
 
 

@@ -25,7 +25,7 @@ class Gradient(OddActivation):
     A magnitude beyond the reach for which the table was made falls into the last segment that is
     kept, where the result may wrap; the neuron cannot produce it. Worst error against tanh: 132
     units of 2**-13
-    with the whole table at Q = 3, over all 16384 codes (tests/test_gradient.py).
+    with the whole table at Q = 3, over all 16384 codes (tests/test_schemes.py).
     """
 
     block = "gradient"

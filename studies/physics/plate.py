@@ -101,7 +101,7 @@ class Plate:
 
         **Error**: the sum of the terms that are left out is below ``tail``. Rounding errors are
         1e-13 of the largest deflection for plates with similar sides. For b = a / 100, cancellation
-        costs four more digits (tests/test_swing.py).
+        costs four more digits (tests/test_beam.py).
         """
         checked(terms=(terms, 1, MOST_TERMS))
         x, y, xi, eta = self._pairs(points, loads)

@@ -1,6 +1,6 @@
 """comparator_bank against its twin: magnitudes and those of recorded frames, with gaps and resets.
 
-That the thresholds are the right ones is tested in tests/test_gradient.py.
+That the thresholds are the right ones is tested in tests/test_schemes.py.
 """
 
 import cocotb

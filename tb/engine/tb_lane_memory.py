@@ -6,7 +6,7 @@ segment that a code of a hidden sum can lie in, with both of its ends among them
 Drives: a place, a word and a kind every clock, in random order. A memory that can be written gets
 random words at every address first, and then at random ones, half of them those that are read.
 Checks: the coefficient bit for bit, and the clock in which it appears.
-Does not prove: that the weights are the right ones (tests/test_lanes.py does).
+Does not prove: that the weights are the right ones (tests/test_engine.py does).
 """
 
 import cocotb

@@ -4,7 +4,7 @@ Sweeps: every word of the program and the words after it.
 Drives: the counter once around the memory; then runs of random length with ``finish`` at random
 clocks, also together with ``run``; then resets.
 Checks: the word bit for bit and its clock, unless a reset comes while it is on its way.
-Does not prove: that the program is the right one (tests/test_lanes.py does).
+Does not prove: that the program is the right one (tests/test_engine.py does).
 """
 
 import cocotb
