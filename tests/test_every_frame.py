@@ -377,6 +377,17 @@ def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
         assert np.array_equal(now.value(both), n ^ m)
 
 
+def test_equal_functions_have_one_form() -> None:
+    """Of floors of one sum that were added in another order, and of a sum times an odd number."""
+    space = Space()
+    x, y = (space.sample(name, -512, 511) for name in "xy")
+    b = space.clip(x, -100, 100) + y * 3
+    wide, narrow, table = space.floor(b, 3), space.floor(b, 1), space.of(lambda n: n % 7, b)
+    added = [wide + table + narrow - table, narrow + wide]
+    assert space.floor(added[0] + x, 2) - space.floor(added[1] + x, 2) == 0
+    assert space.floor(b * 5 + 4, 3) - space.of(lambda n: 5 * n + 4 >> 3, b) == 0
+
+
 @pytest.mark.parametrize("bits", [20, 52, 54, 61])
 def test_a_function_is_as_far_from_its_line_as_it_says(bits: int) -> None:
     """Of numbers of many bits too, which would not fit into an array 2^scale times."""

@@ -9,6 +9,7 @@ from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from golden.sensing.converter_parts import PARTS
+from golden.trained.dense import Quantiser
 from golden.trained.window import Window
 from tactus.scene import Scene
 from tactus.verify.benches.written import scene_of
@@ -23,11 +24,11 @@ ACTIVATION_OPTIONS = {
 }
 
 
-def drawn_scene(seed: int, folder: Path) -> Scene:
+def drawn_scene(seed: int, folder: Path, engine: bool = False) -> Scene:
     """The first valid case of a seed. Cases before it must be refused with a message."""
     rng = np.random.default_rng(seed)
     while True:
-        case = drawn_case(rng)
+        case = drawn_engine(rng) if engine else drawn_case(rng)
         with suppress(InputError, RuntimeError):
             scene = scene_of(case, folder, f"drawn{seed}")
             scene.twin()
@@ -61,6 +62,35 @@ def drawn_case(rng: np.random.Generator) -> Case:
         hardware="\n".join([*drawn_hardware(rng, design), *clock]),
         learned=kind.learned_functions,
         window=window,
+    )
+
+
+def drawn_engine(rng: np.random.Generator) -> Case:
+    """A random case of a network of any depth on an engine of one lane or of four."""
+    layers = int(rng.integers(1, 4))
+    inputs, *nodes, outputs = (int(n) for n in rng.integers(2, 6, layers + 2))
+    quantiser = None
+    kinds = ["relu", "linear"]
+    if rng.random() < 0.5:
+        scale, zero, high = 2.0 ** -rng.integers(2, 6), rng.integers(3), rng.choice([15, 63, 255])
+        rounding = str(rng.choice(["even", "away", "floor"]))
+        quantiser = Quantiser(float(scale), int(zero), 0, int(high), rounding)
+    else:
+        kinds += ["tanh", "sigmoid", "leaky_relu", "hard_tanh"]
+    lines = [f"lanes = {rng.choice([1, 4])}"]
+    lines.append(f"argmax = {rng.choice(['true', 'false'])}")
+    lines.append(f'pipeline = "{rng.choice(["short", "deep"])}"')
+    return Case(
+        [(inputs, *nodes, outputs)],
+        "exact",
+        spread=float(rng.choice([0.5, 1.5, 4.0])),
+        activation="precise",
+        options="{}",
+        seed=int(rng.integers(1000)),
+        design="engine",
+        hardware="\n".join(lines),
+        activations=tuple(map(str, rng.choice(kinds, layers))),
+        quantiser=quantiser,
     )
 
 

@@ -19,6 +19,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from importlib import import_module
 from itertools import count, takewhile
 from pathlib import Path
@@ -361,16 +362,20 @@ def of_prover(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
         yield "prover", f"{number}: {line}", work
 
 
-def of_networks(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
+def of_networks(kind: str) -> Any:
     """Random networks, proved and then compared with twin and Icarus in random frames."""
-    for number in takewhile(lambda _: not enough("networks"), count(seed)):
-        yield "networks", str(number), lambda number=number: of_network(number, folder)  # type: ignore[misc]
+
+    def judge(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
+        for number in takewhile(lambda _: not enough(kind), count(seed)):
+            yield kind, str(number), partial(of_network, number, folder, kind == "engines")
+
+    return judge
 
 
-def of_network(number: int, folder: Path) -> tuple[str, str] | None:
+def of_network(number: int, folder: Path, engine: bool) -> tuple[str, str] | None:
     place = folder / f"drawn{number}"
     place.mkdir()
-    scene = drawn_scene(number, place)
+    scene = drawn_scene(number, place, engine)
     try:
         given = description(scene)
     except InputError:
@@ -402,7 +407,8 @@ KINDS = {
     "flips": (of_hardware(flips), 25),
     "specification": (of_specification, 25),
     "prover": (of_prover, 40),
-    "networks": (of_networks, 30),
+    "networks": (of_networks("networks"), 30),
+    "engines": (of_networks("engines"), 10),
 }
 
 

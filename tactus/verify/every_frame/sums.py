@@ -144,17 +144,16 @@ class Curve:
         _fits(*(end * k for end in self.ends))
         return Curve(self.word, self.first, self.values * k, self.left * k, self.right * k)
 
-    def __rshift__(self, k: int) -> "Curve":
-        """The function over 2^k, which divides it."""
-        if k == 0:
+    def __floordiv__(self, k: int) -> "Curve":
+        """The function over a number that divides it."""
+        if k == 1:
             return self
-        return Curve(self.word, self.first, self.values >> k, self.left >> k, self.right >> k)
+        return Curve(self.word, self.first, self.values // k, self.left // k, self.right // k)
 
-    def bits(self) -> int:
-        """A number whose lowest set bit is the greatest power of two that divides every
-        difference."""
-        first = self.values[0]
-        return int(np.bitwise_or.reduce(self.values - first) | first) | self.left | self.right
+    @cached_property
+    def content(self) -> int:
+        """The greatest number that divides every difference."""
+        return math.gcd(int(np.gcd.reduce(np.diff(self.values))), self.left, self.right)
 
     def same(self, other: "Curve") -> bool:
         return self is other or (
@@ -180,7 +179,7 @@ def _finer(a: Curve, b: Curve) -> Word | None:
     word = _common((a.word, b.word))
     coarse = [c for c in (a, b) if c.word.shift > word.shift and (c.left or c.right)]
     short = all(c.word.high - c.word.low < FEW for c in coarse)
-    return word if not coarse or (short and not (a.line and b.line)) else None
+    return word if not coarse or short else None
 
 
 def _straight(word: Word, slope: int) -> Curve:
@@ -258,6 +257,11 @@ class Sum:
     def __init__(self, constant: int, terms: dict[Word, Curve]):
         self.constant, self.terms = constant, terms
         self._spreads: dict[bool, tuple[Value, int, int, int]] = {}
+
+    @cached_property
+    def content(self) -> int:
+        """The greatest number that divides every difference."""
+        return math.gcd(*(term.content for term in self.terms.values()))
 
     @property
     def bare(self) -> tuple[int, int]:
@@ -404,20 +408,9 @@ def _twos(number: int) -> int:
     return (number & -number).bit_length() - 1
 
 
-def _bits(v: Sum) -> int:
-    """As `Curve.bits`, of all terms."""
-    bits = 0
-    for term in v.terms.values():
-        bits |= term.bits()
-    return bits
-
-
 def _odd(v: Sum) -> int:
-    """The odd factor that all terms of a weighted sum of words have in common."""
-    if not all(c.line for c in v.terms.values()):
-        return 1
-    common = math.gcd(*(c.right for c in v.terms.values()))
-    return common >> _twos(common)
+    """The odd factor that all terms have in common."""
+    return v.content >> _twos(v.content)
 
 
 class Space:
@@ -442,7 +435,7 @@ class Space:
         inner, _, _ = self._base(first)
         base, e, sign = self._base(whole)
         # What divides the whole divides both, as far as it divides rest.
-        most = _twos(rest if isinstance(rest, int) else _bits(rest) | rest.constant) - e
+        most = _twos(rest if isinstance(rest, int) else rest.content | rest.constant) - e
         if inner.number < base.number and most > (base.parts[2] if base.parts else 0):
             first, rest = self.floor(first - whole.constant, e), self.floor(rest, e)
             base.parts = first * sign, rest * sign, most
@@ -452,12 +445,12 @@ class Space:
     def _base(self, v: Sum) -> tuple[Base, int, int]:
         """The base of a sum of several words, with its power of two and its sign: v = constant +
         sign * 2^e * base."""
-        e = _twos(_bits(v))
+        e = _twos(v.content)
         first = v.terms[min(v.terms, key=lambda w: w.number)]
         step = first.left or int(np.diff(first.values[:2]).sum()) or first.right
         sign = 1 if step > 0 else -1
         ordered = sorted(v.terms.items(), key=lambda t: t[0].number)
-        terms = {word: (term >> e) * sign for word, term in ordered}
+        terms = {word: term // (sign << e) for word, term in ordered}
         key = tuple((w.number, c.first, c.left, c.right, c.key) for w, c in terms.items())
         found = self.bases.setdefault(key, [])
         for base in found:
@@ -476,8 +469,8 @@ class Space:
         low, high = v.ends
         if low >> k == high >> k:
             return low >> k
-        if all(_twos(c.bits()) >= k for c in v.terms.values()):
-            return Sum(v.constant >> k, {w: c >> k for w, c in v.terms.items()})
+        if v.content % (1 << k) == 0:
+            return Sum(v.constant >> k, {w: c // (1 << k) for w, c in v.terms.items()})
         if len({w.base or w for w in v.terms}) > 1:
             # Short ones code by code, so that hardware may wrap a sum and then cut it.
             if _odd(v) > 1 or self._own(v, quick=True):
@@ -545,7 +538,7 @@ class Space:
         """The same as a straight line over one word: the sum without a common factor."""
         odd = _odd(v)
         base, e, slope = self._base(
-            Sum(0, {w: _straight(w, c.right // odd) for w, c in v.terms.items()}) if odd > 1 else v
+            Sum(0, {w: c // odd for w, c in v.terms.items()}) if odd > 1 else v
         )
         slope *= odd
         start, turned, word = base.coarse or (0, 1, base.word(0, 0))
