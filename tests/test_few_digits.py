@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -20,7 +19,7 @@ from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms
 from golden.trained.dense import packed
 from golden.trained.mlp import Mlp
 from tactus.cli import train as command
-from tactus.network_files.network_file import provenance_path, read_provenance
+from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene
 from tactus.train import few_digits
 from tactus.train.few_digits import FewDigits, grid_of
@@ -63,7 +62,7 @@ def test_a_network_is_written_with_as_many_digits_as_asked_for(
     scene = asking(small_scene, 40, refit=refit)
     command.train_scene(scene, tmp_path, 1)
     (member,) = scene.members
-    story = tomllib.loads(provenance_path(member.weights_path).read_text())
+    story = read_provenance(member.weights_path)
     kept = digits_in_hardware(scene, member.load())
     assert kept <= 40 < story["digits_before"]
     assert [story["digits_asked"], story["digits_tolerance"], story["digits"]] == [40, 0, kept]

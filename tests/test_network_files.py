@@ -16,7 +16,7 @@ from refused import call
 from scipy.io import savemat
 from test_engine import random_codes
 
-from golden.input_error import InputError
+from golden.input_error import InputError, MissingFileError
 from golden.networks.bounds import engine_bounds
 from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
@@ -29,7 +29,15 @@ from golden.trained.dense import (
 )
 from golden.trained.mlp import Mlp
 from tactus.core.finding import OK
-from tactus.network_files.network_file import held_in, load_network, write_network
+from tactus.network_files.network_file import (
+    check_targets,
+    held_in,
+    load_network,
+    read_provenance,
+    save_network,
+    save_networks,
+    write_network,
+)
 from tactus.network_files.onnx import EXPRESSIONS
 from tactus.network_files.parsed import Ending, ParsedLayer, ParsedNetwork, for_labels
 from tactus.rig.check import networks_there
@@ -94,6 +102,36 @@ def test_arrays_of_an_npz_that_do_not_go_together(tmp_path: Path) -> None:
         np.savez(tmp_path / "net.npz", **arrays, **more)
         with pytest.raises(InputError, match=f"net.npz: {message}"):
             load_network(tmp_path / "net.npz", (2, 0, 2))
+
+
+def test_networks_of_one_file_are_written_anew_one_by_one_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    x, y, other = (random_mlp(SHAPE, 1.0, n) for n in range(3))
+    file, there = tmp_path / "net.npz", tmp_path / "net.npz" / "x"
+    save_networks([(there, x, {"seed": 1}), (file / "load [N/m]", y, {"seed": 2})])
+    save_network(there, other, {"seed": 3})
+    assert same(load_network(there, SHAPE), other)
+    assert same(load_network(file / "load [N/m]", SHAPE), y)
+    assert [read_provenance(file / name)["seed"] for name in ("x", "load [N/m]")] == [3, 2]
+    with pytest.raises(MissingFileError, match=r"net.npz/z: no such network, got x/w1, "):
+        load_network(file / "z", SHAPE)
+    assert read_provenance(file / "z") is None
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    original = Path.replace
+
+    def interrupted(one: Path, target: Path) -> Path:
+        monkeypatch.undo()
+        original(one, target)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        save_network(there, x, {"seed": 4})
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    file.write_bytes(b"")
+    with pytest.raises(InputError, match=r"net.npz: not an NPZ of numbers"):
+        check_targets([there])
 
 
 SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-target-3-5-1"]

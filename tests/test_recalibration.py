@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -17,7 +16,7 @@ from refused import call
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.core.table import write_table
-from tactus.network_files.network_file import provenance_path
+from tactus.network_files.network_file import read_provenance
 from tactus.recalibration.fit import fit, left_out, misses
 from tactus.recalibration.folder import now_read
 from tactus.recalibration.outlook import LEAST_PLACEMENTS, helps, plan, proposed
@@ -247,7 +246,7 @@ def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, capsys) -> N
         before, after, recorded = map(float, re.search(line, printed, re.M).groups())
         assert before > 5 * after
         assert after < 2 * recorded
-    told = tomllib.loads(provenance_path(copy.weights_paths[1]).read_text())
+    told = read_provenance(copy.weights_paths[1])
     assert told["recalibrated_from"] == "digit"
     assert told["placements"] == 20
     assert told["optimiser"] == "levenberg-marquardt"
@@ -317,7 +316,7 @@ def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, capsys) -> Non
     found = re.search(r"noise of a reading: (.*) \(estimated from repeats\)", printed)
     noises = [float(part.split()[1]) for part in found[1].split(", ")]
     assert noises == pytest.approx([0.004] * 5, rel=0.35)
-    told = tomllib.loads(provenance_path(tmp_path / "to2" / "rail-force.npz").read_text())
+    told = read_provenance(tmp_path / "to2" / "rail.npz" / "force")
     assert (told["placements"], told["readings"]) == (12, 60)
     call("recalibrate", scene)
     assert "noise of a reading: not known" in capsys.readouterr().out

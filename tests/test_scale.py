@@ -1,6 +1,5 @@
 """Tests raw units: what codes stand for, the scale "auto", and readings outside the codes."""
 
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,12 @@ from golden.numbers.precision import SIGNAL
 from tactus.cli import train as command
 from tactus.cli.demo import length_lines
 from tactus.errors import scene_errors, unit_errors
-from tactus.network_files.network_file import load_network, provenance_path, save_network
+from tactus.network_files.network_file import (
+    load_network,
+    provenance_path,
+    read_provenance,
+    save_network,
+)
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
@@ -115,7 +119,7 @@ def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path
     lines[row + 1] = ",".join([*cells[:2], "900", "80", cells[4]])
     scene.data_path.write_text("\n".join(lines))
     again = trained(scene, tmp_path / "build")
-    told = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())["scale"]
+    told = read_provenance(again.weights_paths[0])["scale"]
     assert list(told) == ["x0", "x1", "x2", "y0", "y1"]
     # An export depends on these files.
     assert provenance_path(again.weights_paths[0]) in again.files
@@ -131,7 +135,7 @@ def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path
 
 def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) -> None:
     again = trained(in_units(tmp_path, rows=40, keys=AUTO), tmp_path / "build")
-    provenance = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())
+    provenance = read_provenance(again.weights_paths[0])
     task = task_for(again, again.vectors(), [])
     frames = task.recorded.take(task.split.test)
     errors = 100 * np.abs(task.bit_true(again.mlps()[0], frames) - frames.targets) / frames.scale

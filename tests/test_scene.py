@@ -17,7 +17,7 @@ from tactus.boards.board import BOARD
 from tactus.boards.board import FOLDER as BOARDS
 from tactus.core.finding import faults
 from tactus.core.schema import REQUIRED, Key, KeyTable, json_schema
-from tactus.network_files.network_file import provenance_path
+from tactus.network_files.network_file import read_provenance
 from tactus.physics.gauges import FOLDER as RIGS
 from tactus.physics.gauges import RIG
 from tactus.report.page.summary import built
@@ -95,7 +95,7 @@ def test_a_shipped_scene_has_no_faults(name: str, tmp_path: Path) -> None:
     entities = [block.entity for block in walk(twin)]
     assert len(set(entities)) == len(entities)
     for path in scene.weights_paths:
-        provenance = tomllib.loads(provenance_path(path).read_text())
+        provenance = read_provenance(path)
         for key in ("optimiser", "seed", "restarts", "weight_decay", "steps", "patience"):
             assert provenance[key] == getattr(scene.training, key), key
     assert not list(saturating(scene))

@@ -1,6 +1,5 @@
 """Tests networks of learned functions: their splines, derivatives, training and pruning."""
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from golden.numbers.real import Real
 from golden.trained.spline_basis import Basis
 from tactus.cli import train as command
 from tactus.errors import decisions_of
-from tactus.network_files.network_file import provenance_path
+from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene
 from tactus.train.objective import Rows
 from tactus.train.splines import training as splines
@@ -219,7 +218,7 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
     # A straight line leaves errors of 2 % and more.
     assert errors.mean() < 1
     assert [len(one.layers) for one in twin.integers] == [2, 2]
-    stories = [tomllib.loads(provenance_path(path).read_text()) for path in scene.weights_paths]
+    stories = [read_provenance(path) for path in scene.weights_paths]
     assert sum(story["curved_edges"] for story in stories) == len(twin.graph.functions) > 0
     for number, story in enumerate(stories):
         assert story["functions"] == "spline"
@@ -324,7 +323,7 @@ def test_it_learns_classes(tmp_path: Path) -> None:
     scene = rings(tmp_path)
     command.train_scene(scene, tmp_path / "build", 1)
     scene = load_scene(str(scene.path))
-    story = tomllib.loads(provenance_path(scene.weights_paths[0]).read_text())
+    story = read_provenance(scene.weights_paths[0])
     decisions = decisions_of(scene)
     wrong = 100 * (decisions.bit_true != decisions.actual).mean()
     assert story["every_wrong_percent"] == pytest.approx(wrong, abs=1e-4)

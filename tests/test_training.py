@@ -2,7 +2,6 @@
 
 import socket
 import threading
-import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -20,7 +19,7 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import tanh
 from tactus.cli import train as command
-from tactus.network_files.network_file import provenance_path
+from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
 from tactus.train.candidate_runs import computed_on, continued
@@ -138,7 +137,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     As in training, networks pass on outputs of 14 bits. An engine keeps 18 bits between networks.
     """
     scene = load_scene(name)
-    first = tomllib.loads(provenance_path(scene.members[0].weights_path).read_text())
+    first = read_provenance(scene.members[0].weights_path)
     scene = replace(scene, design=first["design"], design_options={})
     vectors = scene.vectors()
     cascade = scene.arrangement == "cascade"
@@ -147,7 +146,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     errors = vectors.percent_errors(results)
     split = split_of(scene)
     for member in scene.members:
-        provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
+        provenance = read_provenance(member.weights_path)
         assert provenance["design"] == scene.design
         # Older files without these keys were split at random, and not refitted.
         assert provenance.get("split", "random") == scene.training.split
@@ -269,7 +268,7 @@ def test_provenance_states_split_disturbance_and_both_errors(
     scene = replace(scene, training=training)
     command.train_scene(scene, tmp_path, 1)
     (member,) = scene.members
-    story = tomllib.loads(provenance_path(member.weights_path).read_text())
+    story = read_provenance(member.weights_path)
     assert [story[key] for key in ("split", "split_by", "block_rows")] == ["blocks", "", 2]
     assert [story[key] for key in ("noise", "drift_gain", "drift_offset")] == [0.02, 0.01, 0]
     assert story["refit"] is refit

@@ -18,7 +18,7 @@ from tactus.rig.trained_on import outputs_of
 from tactus.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parent
-SCENE, NETWORKS = FOLDER / "gripper.toml", FOLDER / "networks.npz"
+SCENE = FOLDER / "gripper.toml"
 DATA, TEST = FOLDER / "gripper.csv", FOLDER / "gripper-test.csv"
 ADDRESS = (
     "https://raw.githubusercontent.com/bionicdl-sustech/SoftRoboticTongs/"
@@ -40,18 +40,13 @@ PARTS = {
 
 
 def bring() -> None:
-    """Write the rows to train and to test, and a file for each network, if they are not there."""
+    """Write the rows to train and to test, if they are not there."""
     for path, parts in PARTS.items():
         if not path.is_file():
             halves = [fetched(ADDRESS + end, digest) for end, digest in parts.items()]
             rows = zip(*(half.decode().splitlines() for half in halves), strict=True)
             with replace_file(path) as temporary:
                 temporary.write_text("\n".join(map(",".join, [COLUMNS, *rows, []])))
-    with np.load(NETWORKS) as arrays:
-        for output in OUTPUTS:
-            own = {key[3:]: arrays[key] for key in arrays if key.startswith(output)}
-            with replace_file(FOLDER / f"gripper-{output}.npz") as temporary:
-                np.savez(temporary.open("wb"), **own)
 
 
 def in_a_row(scene: Scene, samples: Codes) -> Codes:

@@ -26,7 +26,6 @@ from golden.networks.network import Network
 from tactus.certify.proofs import write_equality, write_every_frame, write_formulas
 from tactus.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tactus.export.exporter import compile_order
-from tactus.network_files.network_file import provenance_path
 from tactus.scene import Scene
 from tactus.verify.benches.kept_results import run_kept
 from tactus.verify.benches.results import chosen
@@ -163,8 +162,8 @@ def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
     """Copy what was exported: the scene, its networks and its data; and write the image."""
     place = folder / "inputs"
     place.mkdir()
-    stories = (provenance_path(path) for path in scene.weights_paths)
-    for file in dict.fromkeys([*scene.files, *(path for path in stories if path.is_file())]):
+    stories = filter(Path.is_file, scene.provenance_paths)
+    for file in dict.fromkeys([*scene.files, *stories]):
         shutil.copy(file, place)
     if design.image:
         (place / "image.bin").write_bytes(design.image)

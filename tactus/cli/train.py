@@ -23,6 +23,7 @@ from tactus.core.hold import held
 from tactus.core.machine import versions
 from tactus.core.progress import Progress
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
+from tactus.network_files.parsed import short_path
 from tactus.rig.check import before_training, classes
 from tactus.scene import Scene, load_scene
 from tactus.scene.known_scales import story
@@ -92,13 +93,13 @@ def main() -> None:
     scene = load_scene(arguments.scene)
     if arguments.into:
         members = (
-            replace(member, weights_path=arguments.into / member.weights_path.name)
+            replace(member, weights_path=arguments.into / short_path(member.weights_path))
             for member in scene.members
         )
         scene = replace(scene, members=tuple(members))
     check_layers(scene)
     refuse(before_training(scene, arguments.build))
-    for path in filter(Path.exists, scene.weights_paths):
+    for path in filter(Path.exists, scene.network_files):
         # Only training writes a provenance; without it the network was brought from elsewhere.
         check_output(
             path,
@@ -107,7 +108,7 @@ def main() -> None:
             key="network.weights",
         )
     stop_if_dry_run(
-        f"train {len(scene.members)} networks and write {', '.join(map(str, scene.weights_paths))}"
+        f"train {len(scene.members)} networks and write {', '.join(map(str, scene.network_files))}"
     )
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
@@ -228,8 +229,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         )
     # All files are written or none, because the networks of a cascade belong together.
     save_networks(list(zip(scene.weights_paths, stages.files, stories, strict=True)))
-    for member in scene.members:
-        print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
+    for path in scene.network_files:
+        print(f"wrote {path} and {provenance_path(path).name}")
     print(f"{time.monotonic() - started:.0f} s")
 
 

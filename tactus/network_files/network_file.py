@@ -1,11 +1,13 @@
 """Reads and writes trained networks.
 
 The project's own format is an NPZ file of w1, b1, w2, b2 and so on, with its provenance beside it
-as TOML. Networks trained elsewhere come as .mat in the style of Netlab or as .onnx. A scene can
-name files of all three formats.
+as TOML. An NPZ file can hold several networks by name: ``rig.npz/force`` is that of the arrays
+force/w1, force/b1 and so on, with a table of the provenance. Networks trained elsewhere come as
+.mat in the style of Netlab or as .onnx.
 """
 
 import json
+import shutil
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -27,7 +29,8 @@ from tactus.core.files import (
     replace_files,
     same_file,
 )
-from tactus.network_files.parsed import ParsedNetwork, for_labels
+from tactus.network_files.npz import arrays_of
+from tactus.network_files.parsed import ParsedNetwork, file_of, for_labels, name_in_file
 
 # The module of a format is imported only when a file needs it. Those for .mat and .onnx take half a
 # second to import, and every bench reads a scene when it starts.
@@ -35,18 +38,20 @@ FORMS = {f".{form}": f"tactus.network_files.{form}" for form in ("npz", "mat", "
 
 
 def provenance_path(path: Path) -> Path:
-    return path.with_suffix(".provenance.toml")
+    return file_of(path).with_suffix(".provenance.toml")
 
 
 def read_provenance(path: Path) -> dict[str, Any] | None:
     """The provenance beside the network at ``path``; None if there is none."""
-    path = provenance_path(path)
+    name, path = name_in_file(path), provenance_path(path)
     try:
         check_file(path)
     except FileNotFoundError:
         return None
     with reading(path, "TOML"):
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        story = tomllib.loads(path.read_text(encoding="utf-8"))
+    own = story.get(name) if name else story
+    return own if isinstance(own, dict) else None
 
 
 def load_network(
@@ -63,7 +68,7 @@ def load_network(
     labels: The labels that the outputs stand for, in their order; see ``for_labels``.
     """
     form = form_of(path)
-    check_file(path, "no such network; make train SCENE=... writes it")
+    check_file(file_of(path), "no such network; make train SCENE=... writes it")
     held = form.read(path)
     if labels:
         held = for_labels(path, held, labels)
@@ -97,7 +102,7 @@ def load_network(
 
 def held_in(path: Path) -> ParsedNetwork:
     form = form_of(path)
-    check_file(path)
+    check_file(file_of(path))
     return form.read(path)
 
 
@@ -122,13 +127,13 @@ def _check_array(
 
 def form_of(path: Path) -> ModuleType:
     """The module that reads and writes files with this ending."""
-    if path.suffix not in FORMS:
-        known = list(FORMS)
+    ending, known = file_of(path).suffix, list(FORMS)
+    if ending not in known:
         raise InputError(
-            f"{path}: got the ending {path.suffix!r}, expected one of {', '.join(known)}"
-            f"{suggest(path.suffix, known)}"
+            f"{path}: got the ending {ending!r}, expected one of {', '.join(known)}"
+            f"{suggest(ending, known)}"
         )
-    return import_module(FORMS[path.suffix])
+    return import_module(FORMS[ending])
 
 
 def write_network(path: Path, network: Trained) -> None:
@@ -138,19 +143,26 @@ def write_network(path: Path, network: Trained) -> None:
         form.write(temporary, network)
 
 
+def _files_of(paths: Sequence[Path]) -> list[Path]:
+    """The file of each network and, behind it, that of its provenance; each once."""
+    files = dict.fromkeys(map(file_of, paths))
+    return [one for file in files for one in (file, provenance_path(file))]
+
+
 def check_targets(paths: Sequence[Path]) -> None:
     """Refuse paths where networks and their provenance cannot be written."""
     for path in paths:
         form_of(path)
-    files = [file for path in paths for file in _files(path)]
+    files = _files_of(paths)
     for i, file in enumerate(files):
         if any(same_file(file, other) for other in files[:i]):
             raise InputError(f"{file}: got two networks that write it, expected a file for each")
     check_writable(files)
-
-
-def _files(path: Path) -> tuple[Path, Path]:
-    return path, provenance_path(path)
+    for path in paths:
+        if name_in_file(path) and file_of(path).exists():
+            # Both files must be readable, because what they hold of other networks stays.
+            arrays_of(file_of(path))
+            read_provenance(path)
 
 
 # Values are texts, numbers, and tables of these.
@@ -158,19 +170,35 @@ Provenance = Mapping[str, Any]
 
 
 def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
-    """Write networks and the provenance of each, either all of them or none."""
-    with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
-        for number, (path, held, provenance) in enumerate(networks):
-            network, story = temporaries[2 * number : 2 * number + 2]
+    """Write networks and the provenance of each, either all of them or none.
+
+    Networks of other names stay in the files.
+    """
+    files = _files_of([path for path, *_ in networks])
+    with replace_files(files) as temporaries:
+        temporary = dict(zip(files, temporaries, strict=True))
+        for file in _files_of([path for path, *_ in networks if name_in_file(path)]):
+            if file.exists():
+                shutil.copyfile(file, temporary[file])
+        for path, held, provenance in networks:
+            name, story = name_in_file(path), temporary[provenance_path(path)]
             with naming(path):
-                form_of(path).write(network, held)
-            lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
-            story.write_text("\n".join(lines) + "\n", encoding="utf-8")
+                form_of(path).write(temporary[file_of(path)] / name, held)
+            text = _lines(provenance)
+            if name:
+                tables = tomllib.loads(story.read_text(encoding="utf-8")) | {name: provenance}
+                named = {key: value for key, value in tables.items() if isinstance(value, Mapping)}
+                text = "\n".join(f"[{_toml(key)}]\n{_lines(named[key])}" for key in named)
+            story.write_text(text, encoding="utf-8")
 
 
 def save_network(path: Path, network: Trained, provenance: Provenance) -> None:
     """Write a network and its provenance; see ``save_networks``."""
     save_networks([(path, network, provenance)])
+
+
+def _lines(provenance: Provenance) -> str:
+    return "".join(f"{key} = {_toml(value)}\n" for key, value in provenance.items())
 
 
 def _toml(value: Any) -> str:

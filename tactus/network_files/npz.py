@@ -1,4 +1,7 @@
-"""Networks as NPZ files without pickle, which is the project's own format."""
+"""Networks as NPZ files without pickle, which is the project's own format.
+
+An array of a network among several in its file has the network's name before its own.
+"""
 
 import zipfile
 from collections.abc import Sequence
@@ -6,14 +9,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from golden.input_error import InputError, naming
+from golden.input_error import InputError, MissingFileError, naming
 from golden.numbers.real import Real
 from golden.trained.dense import LEAK, Quantiser, Trained, layers_of
 from golden.trained.function import Function
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
+from tactus.network_files.parsed import (
+    ParsedLayer,
+    ParsedNetwork,
+    file_of,
+    name_in_file,
+    real_numbers,
+)
 
 # In this format, the rows of a weight matrix are nodes.
 TRANSPOSED = False
@@ -28,12 +38,25 @@ ROUNDINGS = ("even", "away", "floor")
 SPLINE = "spline_"
 
 
-def read(path: Path) -> ParsedNetwork:
-    """Read every array of an NPZ file as float64, and the activations."""
+def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     if not zipfile.is_zipfile(path):
         raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
-        arrays = {name: archive[name] for name in archive.files}
+        return {name: archive[name] for name in archive.files}
+
+
+def _before(path: Path) -> str:
+    return f"{name}/" if (name := name_in_file(path)) else ""
+
+
+def read(path: Path) -> ParsedNetwork:
+    """Read every array of a network as float64, and the activations."""
+    before, every = _before(path), arrays_of(file_of(path))
+    arrays = {name[len(before) :]: every[name] for name in every if name.startswith(before)}
+    if not arrays:
+        raise MissingFileError(
+            f"{path}: no such network, got {', '.join(every)}; make train SCENE=... writes it"
+        )
     named = arrays.pop(ACTIVATIONS, None)
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
     if named is None:
@@ -112,7 +135,10 @@ def _row(quantiser: Quantiser | None) -> list[float]:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the arrays of each layer, and the activations if they are not one layer of tanh."""
+    """Write the arrays of each layer, and the activations if they are not one layer of tanh.
+
+    Networks of other names in the file stay.
+    """
     arrays: dict[str, Any] = {}
     layers = layers_of(network)
     for n, layer in enumerate(layers, start=1):
@@ -127,4 +153,9 @@ def write(path: Path, network: Trained) -> None:
         if network.quantised:
             rows = [_row(layer.quantiser) for layer in layers[:-1]]
             arrays[QUANTISERS] = np.array(rows, dtype=np.float64)
-    np.savez(path, **arrays)
+    before, file = _before(path), file_of(path)
+    arrays = {before + name: array for name, array in arrays.items()}
+    if before and file.stat().st_size:
+        every = arrays_of(file)
+        arrays |= {n: every[n] for n in every if "/" in n and not n.startswith(before)}
+    np.savez(file, **arrays)

@@ -65,6 +65,21 @@ class ParsedNetwork:
         return tuple(map(str, self.ending.labels)) if self.ending else ()
 
 
+def file_of(path: Path) -> Path:
+    """The file that holds a network: ``rig.npz`` for ``rig.npz/force``, one of several in it."""
+    return next((folder for folder in path.parents if folder.suffix == ".npz"), path)
+
+
+def name_in_file(path: Path) -> str:
+    """The name of a network among several in its file; empty if the file holds only this one."""
+    return "/".join(path.parts[len(file_of(path).parts) :])
+
+
+def short_path(path: Path) -> Path:
+    """The path of a network from the folder of its file on."""
+    return path.relative_to(file_of(path).parent)
+
+
 def real_numbers(path: Path, name: str, value: Any) -> Real:
     array = np.asarray(value)
     if array.dtype.kind not in "biuf":

@@ -9,6 +9,7 @@ one that the correction turns into the recorded reading. So the errors of the co
 remain if only gain and offset have changed.
 """
 
+import json
 import re
 import tomllib
 from collections.abc import Sequence
@@ -36,8 +37,10 @@ from tactus.network_files.network_file import (
     read_provenance,
     save_networks,
 )
+from tactus.network_files.parsed import file_of
 from tactus.scene import Scene
 from tactus.scene.known_scales import codes_of, story
+from tactus.scene.network import listed
 from tactus.scene.scale import Scale, on_readings, on_signals, readings, signals
 
 # Number of digits of a reading. They are two more than a code of fourteen bits can need.
@@ -85,11 +88,11 @@ def check_copy(scene: Scene, path: Path, force: bool = False) -> None:
         check_folder(path.parent)
     if first_line(path) == _title(scene):
         return
-    weights = _weights(scene, path)
+    networks = dict.fromkeys(map(file_of, _weights(scene, path)))
     for file in [
         path,
-        *weights,
-        *map(provenance_path, weights),
+        *networks,
+        *map(provenance_path, networks),
         path.parent / scene.data_path.name,
     ]:
         if file.exists():
@@ -97,7 +100,13 @@ def check_copy(scene: Scene, path: Path, force: bool = False) -> None:
 
 
 def _weights(scene: Scene, path: Path) -> list[Path]:
-    return [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
+    return [path.parent / _own(network) for network in scene.weights_paths]
+
+
+def _own(network: Path) -> Path:
+    """The path of a network from the folder of the copy on; its file is always an NPZ file."""
+    file = file_of(network)
+    return Path(f"{file.stem}.npz") / network.relative_to(file)
 
 
 def _title(scene: Scene) -> str:
@@ -116,7 +125,7 @@ def write_copy(
     """
     weights = _weights(scene, path)
     data = path.parent / scene.data_path.name
-    text = _scene_text(scene, data.name, [w.name for w in weights])
+    text = _scene_text(scene, data.name)
     check_targets(weights)
     check_writable([data, path])
     networks = []
@@ -130,7 +139,7 @@ def write_copy(
     _write_recording(scene, correction, data)
     with replace_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    return [path, *weights, data]
+    return [path, *dict.fromkeys(map(file_of, weights)), data]
 
 
 def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:
@@ -147,21 +156,21 @@ def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> N
     write_csv_file(path, [found.names, *rows])
 
 
-def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
+def _scene_text(scene: Scene, data: str) -> str:
     """The scene file with other names for its files."""
     text = scene.path.read_text(encoding="utf-8")
     raw = tomllib.loads(text)
+    given = raw["network"]["weights"]
+    names = [str(_own(Path(name))) for name in listed(given)]
+    weights = names if isinstance(given, list) else names[0]
     wanted = raw | {
         "data": raw["data"] | {"file": data},
-        "network": raw["network"]
-        | {"weights": weights if isinstance(raw["network"]["weights"], list) else weights[0]},
+        "network": raw["network"] | {"weights": weights},
     }
-    names = ", ".join(f'"{name}"' for name in weights)
-    listed = f"[{names}]" if isinstance(raw["network"]["weights"], list) else names
     text = re.sub(r"(?m)^(\s*file\s*=\s*).*?(?=\s*(#.*)?$)", rf'\g<1>"{data}"', text, count=1)
     text = re.sub(
         r"(?ms)^(\s*weights\s*=\s*)(\[.*?\]|[^\n]*?)(?=\s*(#[^\n]*)?$)",
-        lambda match: match[1] + listed,
+        lambda match: match[1] + json.dumps(weights, ensure_ascii=False),
         text,
         count=1,
     )

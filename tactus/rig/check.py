@@ -213,7 +213,7 @@ def networks_writable(scene: Scene) -> list[Finding]:
         with collect_faults(findings):
             check_targets([path])
     if not findings:
-        folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
+        folders = ", ".join(sorted({str(path.parent) for path in scene.network_files}))
         findings.append(Finding(OK, folders, "networks can be written"))
     return findings
 

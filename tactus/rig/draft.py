@@ -16,7 +16,7 @@ from golden.trained.function import TABLE
 from tactus.core.files import replace_file
 from tactus.core.templates import environment
 from tactus.errors import NOISE
-from tactus.network_files.network_file import held_in, provenance_path
+from tactus.network_files.network_file import held_in
 from tactus.network_files.parsed import ParsedNetwork, for_labels
 from tactus.rig import readings
 from tactus.rig.survey import Survey, labels_in
@@ -139,7 +139,7 @@ def draft(
         wide=wide,
         scales=scales,
         units={name: _quoted(unit[1] or unit[2]) for name, unit in named.items() if unit},
-        weights=[os.path.relpath(network.path, path.parent)] if network else weights(outputs, path),
+        weights=os.path.relpath(network.path, path.parent) if network else f"{path.stem}.npz",
         noise=_noise(found, hardware),
     )
 
@@ -174,16 +174,6 @@ def _noise(found: Survey, hardware: Scene | None) -> str:
         halves = [1.0]
     noise = max(NOISE * float(np.median(halves)), *map(readings.step, columns))
     return f"{float(f'{min(noise, MOST):.0e}'):g}"
-
-
-def weights(outputs: list[str], path: Path) -> list[str]:
-    """Names of the network files, which contain the scene's, so scenes can share a folder."""
-    if len(outputs) <= 1:
-        return [f"{path.stem}.npz"]
-    plain = [re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower() for name in outputs]
-    if "" in plain or len(set(plain)) < len(plain):
-        plain = [str(number) for number in range(1, len(outputs) + 1)]
-    return [f"{path.stem}-{name}.npz" for name in plain]
 
 
 def _positions(found: Survey) -> str:
@@ -239,9 +229,8 @@ def write_scene(
         scaled(scene).vectors()
         if network:
             scene.networks()
-        trained = [*scene.weights_paths, *map(provenance_path, scene.weights_paths)]
-        files = [path] if network else [path, *trained]
-        for file in files:
+        trained = [] if network else [*scene.network_files, *scene.provenance_paths]
+        for file in [path, *trained]:
             if file.exists() or file.is_symlink():
                 raise InputError(f"{file}: is there already; choose another name with TO=")
     return load_scene(str(path))

@@ -19,6 +19,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import DenseNetwork, Trained, forward_passes, layers_of
 from golden.trained.function import LOW
+from tactus.network_files.parsed import short_path
 from tactus.scene.scale import readings
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def held(scene: Scene) -> list[str]:
                 nodes = np.unique(np.nonzero(beyond)[1]).tolist()
                 names = dict.fromkeys(layer.functions[node].name for node in nodes)
                 sentences.append(
-                    f"{member.weights_path.name}: layer {number}: sums reach "
+                    f"{short_path(member.weights_path)}: layer {number}: sums reach "
                     f"{np.abs(sums[beyond]).max():.3g} in {beyond.any(axis=1).sum()} of "
                     f"{len(sums)} recorded frames; beyond {LOW:g} and {-LOW:g} "
                     f"{', '.join(names)} keeps its value"
@@ -172,8 +173,8 @@ def quantised_lines(scene: Scene) -> list[str]:
             f"{(c > 0).sum()} in layer {n}" for n, c in enumerate(counts, start=1) if c.any()
         )
         lines.append(
-            f"{member.weights_path.name}: {differ} of {every} codes of {len(codes)} recorded "
-            f"frames differ from those of the file"
+            f"{short_path(member.weights_path)}: {differ} of {every} codes of {len(codes)} "
+            f"recorded frames differ from those of the file"
             + (f", by {furthest} at most: {where}" if differ else "")
             + f"; readings are rounded to {SIGNAL.width} bits before, which changes {moved} of them"
         )

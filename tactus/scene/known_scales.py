@@ -22,6 +22,7 @@ from golden.numbers.real import Real
 from golden.sensing.converter_parts import PARTS, STRAIGHT, ConverterPart
 from golden.trained.dense import Trained, layers_of
 from tactus.network_files.network_file import provenance_path, read_provenance
+from tactus.network_files.parsed import short_path
 from tactus.scene.scale import AUTO, Scale, read_scale
 from tactus.scene.vectors import MOST_OUTSIDE, read_recorded
 
@@ -141,8 +142,8 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
                 reason = "another scale than the network before" if scale else "no scale for it"
                 raise InputError(
                     f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
-                    f"has {reason}: {path.name} was not trained here or not by this scene; run "
-                    "make train to determine the scale, or give { offset = , factor = } for a "
+                    f"has {reason}: {short_path(path)} was not trained here or not by this scene; "
+                    "run make train to determine the scale, or give { offset = , factor = } for a "
                     "network from elsewhere, which is the range of the codes"
                 )
             found[name] = scale

@@ -93,8 +93,9 @@ NETWORK = KeyTable(
         ),
         "weights": Key(
             Each(Text()),
-            meaning="The files of the trained networks, `.npz`, `.mat` or `.onnx`, in the order of "
-            "the outputs. `make train` writes them.",
+            meaning="The file of the trained networks, `.npz`. It can hold several, for `multiple` "
+            "and `cascade`; `rig.npz/load` is the one of the output `load` in it. Or a list of "
+            "files, `.npz`, `.mat` or `.onnx`, one for each output. `make train` writes them.",
         ),
     },
     name="a section",
@@ -172,6 +173,7 @@ def members(
     groups = [outputs] if single else [[name] for name in outputs]
     count = len(groups)
     hidden, weights = listed(network["hidden"]), listed(network["weights"])
+    in_one = len(weights) == 1 < count and weights[0].endswith(".npz")
     activations = tuple(network["activations"])
     files = {
         name: beside(path, f"network.functions.{name}.points", given["points"])
@@ -192,11 +194,12 @@ def members(
         hidden = [0]
     if layers or not isinstance(network["hidden"], list):
         hidden = hidden * count
-    for key, values in (("hidden", hidden), ("weights", weights)):
+    for key, values in (("hidden", hidden), ("weights", weights * count if in_one else weights)):
         if len(values) != count:
             wanted = "one: single has one for all outputs"
             if not single:
                 wanted = f"a list of {count}: {network['arrangement']} has one for each output"
+                wanted = wanted if key == "hidden" else f"an NPZ file for all, or {wanted}"
             raise InputError(
                 f"{path}: network.{key}: got {written(network[key])}, expected {wanted}"
             )
@@ -208,6 +211,8 @@ def members(
                     f"{path}: network.weights: got {weights[j]!r} and {weights[i]!r}, which are "
                     "one file, expected a file for each network"
                 )
+    if in_one:
+        weights_files = [Path(f"{weights_files[0]}/{name}") for name in outputs]
     cascade = network["arrangement"] == "cascade"
     return tuple(
         SceneNetwork(

@@ -27,6 +27,7 @@ from golden.trained.dense import Trained, layers_of
 from golden.trained.mlp import Mlp
 from golden.trained.window import Window
 from tactus.network_files.network_file import provenance_path
+from tactus.network_files.parsed import file_of
 from tactus.scene.building import build_twin, choice_of, chosen
 from tactus.scene.data import tap_names
 from tactus.scene.front_end import FrontEnd, Uart
@@ -94,19 +95,28 @@ class Scene:
 
     @property
     def weights_paths(self) -> list[Path]:
+        """Where each network stands; one of several in a file has its name behind the file's."""
         return [member.weights_path for member in self.members]
+
+    @property
+    def network_files(self) -> list[Path]:
+        return list(dict.fromkeys(map(file_of, self.weights_paths)))
+
+    @property
+    def provenance_paths(self) -> list[Path]:
+        return list(map(provenance_path, self.network_files))
 
     @property
     def files(self) -> list[Path]:
         """All files that the scene reads: its own, its networks, points of functions, and data."""
-        provenance = [provenance_path(path) for path in self.weights_paths if self.auto]
+        provenance = self.provenance_paths if self.auto else []
         points = self.members[0].function_files
-        return [self.path, *self.weights_paths, *provenance, *points, *self.data_paths]
+        return [self.path, *self.network_files, *provenance, *points, *self.data_paths]
 
     @property
     def own_files(self) -> list[Path]:
         """All files of the scene: those that it reads, and those that training writes."""
-        return [*self.files, *map(provenance_path, self.weights_paths)]
+        return [*self.files, *self.provenance_paths]
 
     @property
     def data_path(self) -> Path:

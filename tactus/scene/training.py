@@ -8,6 +8,7 @@ from golden.input_error import InputError
 from golden.numbers.precision import PRECISIONS
 from golden.trained.dense import ACTIVATIONS
 from tactus.core.schema import Alternatives, Flag, Key, KeyTable, List, Number, Span, Text, Whole
+from tactus.network_files.parsed import file_of
 from tactus.scene.disturbance import MOST, Disturbance
 from tactus.scene.network import MOST_HIDDEN, listed
 
@@ -284,7 +285,7 @@ def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
         raise InputError(f"{place} with training.optimiser 'scg', expected levenberg-marquardt")
     if network["activations"]:
         raise InputError(f"{place} with network.activations, expected none: functions are learned")
-    others = [name for name in listed(network["weights"]) if not name.endswith(".npz")]
+    others = [w for w in listed(network["weights"]) if file_of(Path(w)).suffix != ".npz"]
     if others:
         raise InputError(f"{place} with network.weights {others[0]!r}, expected an NPZ file")
 

@@ -17,6 +17,7 @@ from golden.networks.windowed import Windowed
 from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.table import write_csv_file
 from tactus.export.hierarchy import convert_hierarchy, elaborate
+from tactus.network_files.parsed import file_of
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.building import task_of
 from tactus.scene.reading import class_names, comparison_names
@@ -126,7 +127,7 @@ def row_of(
         routed = Routed(Size(timing.luts, timing.flip_flops), timing.clock_mhz)
     features = features_of(core)
     own = (whole_cells(cells[FAMILY], core, cell) for cell in ("LUT", "flip-flop"))
-    weights = scene.weights_paths[0].stem
+    weights = file_of(scene.weights_paths[0]).stem
     return Recorded(name, weights, kind, path_of(kind, options), Size(*own), routed, features)
 
 

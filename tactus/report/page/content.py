@@ -5,7 +5,6 @@ from typing import Any
 
 from golden.networks.network import Network
 from tactus.core import store
-from tactus.network_files.network_file import provenance_path
 from tactus.report.draw.confusion import confusion
 from tactus.report.draw.designs import picture_of, sentence
 from tactus.report.draw.outcome import (
@@ -48,7 +47,7 @@ def content(scene: Scene, tell: Progress) -> Page:
     """The report of a scene. ``tell`` is called for each part that is ready."""
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
-    files = [*scene.files, *(p for p in map(provenance_path, scene.weights_paths) if p.is_file())]
+    files = [*scene.files, *(p for p in scene.provenance_paths if p.is_file())]
 
     def asked(name: str, *modules: str, **parts: store.Part) -> store.Key:
         return part_key(f"{name}-{scene.name}", modules, scene=files, simulators=tools, **parts)
