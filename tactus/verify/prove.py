@@ -30,6 +30,7 @@ from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
+from tactus.core.templates import environment
 from tactus.export.exporter import compile_order
 from tactus.scene import Scene, load_scene
 from tactus.synth.tools import digest, run_tool, version_of
@@ -142,46 +143,17 @@ def printed(test: str, frames: Any, folder: Path) -> str:
 
 
 def bench(given: dict[str, Any], frames: int, watch: str = "") -> str:
-    """A Verilog bench that plays frames, whose samples are numbers in frames.txt, one after
-    another, and prints the outputs of each, and in each clock what the statement ``watch`` does."""
-    words, count = given["stream"] == "words", given["samples"]
-    number = f"signed [{given['bits'] - 1}:0]"
-    ins = [f"in_data_{k}" for k in range(count)] if words else ["in_data"]
-    outs = [f"out_data_{k}" for k in range(len(given["outputs"]))] if words else ["out_data"]
+    """A Verilog bench that plays frames; its template says what it reads and prints."""
+    words, outputs = given["stream"] == "words", len(given["outputs"])
+    ins = [f"in_data_{k}" for k in range(given["samples"])] if words else ["in_data"]
+    outs = [f"out_data_{k}" for k in range(outputs)] if words else ["out_data"]
     named = ["clk", "rst", "in_valid", "out_valid", *ins, *outs, *given["ports"]]
     named += [] if words else ["in_last", "out_last"]
     silent = dict.fromkeys(["in_valid", "in_last", *given["ports"]], 0)
     begins = [{**silent, **one} for one in (*before(given), {})]
-    drive = [f"{p} = samples[f * {count} + {k if words else 'k'}];" for k, p in enumerate(ins)]
-    wait = max(max(given["output_clocks"]) + 3, given["interval"])
-    lines = [
-        "module bench;",
-        "reg clk = 0, rst = 1, in_valid = 0, in_last = 0, begun = 0;",
-        "wire out_valid, out_last;",
-        "integer f, k;",
-        f"reg {number} samples [0:{frames * count - 1}];",
-        *[f"reg {number} {port} = 0;" for port in ins],
-        *[f"wire {number} {port};" for port in outs],
-        *[f"reg [{max(width, 1) - 1}:0] {port} = 0;" for port, width in given["ports"].items()],
-        f"{given['entity']} dut ({', '.join(f'.{port}({port})' for port in named)});",
-        "always #1 clk = !clk;",
-        "always @(negedge clk) if (out_valid && begun)",
-        f'$display("{"%0d " * len(outs)}", {", ".join(outs)});',
-        'initial begin $readmemh("frames.txt", samples);',
-        "repeat (4) @(negedge clk); rst = 0;",
-        *[" ".join(f"{p} = {v};" for p, v in one.items()) + " @(negedge clk);" for one in begins],
-        "begun = 1;",
-        f"for (f = 0; f < {frames}; f = f + 1) begin",
-        f"for (k = 0; k < {given['elements']}; k = k + 1) begin",
-        f"in_valid = 1; in_last = k == {given['elements'] - 1};",
-        *(drive if words else [f"if (k < {count})", *drive]),
-        "@(negedge clk); end",
-        f"in_valid = 0; in_last = 0; repeat ({wait}) @(negedge clk);",
-        "end $finish; end",
-        f"always @(posedge clk) begin {watch} end",
-        "endmodule",
-    ]
-    return "\n".join(lines) + "\n"
+    played = {"frames": frames, "ins": ins, "outs": outs, "named": named, "begins": begins}
+    template = environment("tactus.verify").get_template("bench.v.jinja")
+    return template.render(given, **played, watch=watch)
 
 
 def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:
