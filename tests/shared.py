@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
@@ -138,3 +139,21 @@ def printed(folder: Path, text: str) -> list[str]:
     (folder / "text.v").write_text(text)
     run("iverilog", "-g2012", "-o", "text", "text.v", folder=folder)
     return run("vvp", "-n", "text", folder=folder).stdout.split()
+
+
+# What Python writes while it compiles a module: it may be gone before it is copied.
+UNFINISHED = shutil.ignore_patterns("*.pyc.*")
+
+
+def copy_room(room: str, folder: Path) -> None:
+    """Copy a room into a folder with what Python has compiled of it already."""
+    shutil.copytree(ROOT / room, folder / room, ignore=UNFINISHED)
+
+
+def movable(path: Path) -> str:
+    """The text of a scene, which names its data and its weights wherever it is written to."""
+    return re.sub(
+        r'"([^"\n]+\.(?:csv|npz))"',
+        lambda found: f'"{(path.parent / found[1]).resolve()}"',
+        path.read_text(),
+    )

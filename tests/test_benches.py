@@ -6,18 +6,28 @@ both. ALL=1 adds the other cases, and the other simulator. Cases of whole networ
 every frame instead (test_every_frame.py).
 """
 
+import json
+import logging
+import os
+import re
+import signal
+import warnings
+from pathlib import Path
+
 import pytest
 from conftest import tiered
-from shared import Shared
+from shared import Shared, copied_job
 from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF
-from tactus.verify.benches.runner import Job, Outcome
+from tactus.verify.benches.runner import Job, Outcome, run_job
+from tactus.verify.benches.simulate import Run, analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.record import stale_records
 from tactus.verify.sign_off.subject import recorded_cases
+from tb.common.bench import CONFIGURATION
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -112,3 +122,160 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     assert len(outcomes) == len(SIMULATORS)
     check(outcomes)
     check_clocks(outcomes)
+
+
+VHDL = """\
+entity wire is
+    port (a: in bit; b: out bit);
+end entity wire;
+
+architecture plain of wire is
+begin
+    b <= a;
+end architecture plain;
+"""
+VERILOG = "module wire_1(input a, output b); assign b = a; endmodule\n"
+ENTITY = "wire_1"
+HEAD = "import json, os, pathlib, cocotb, cocotb.triggers\n\n"
+
+
+@pytest.fixture(params=SIMULATORS)
+def wire(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
+    """A run of an entity that is a wire. A test writes its bench ``bench.py`` into the folder."""
+    for name, text in ((f"{ENTITY}.vhd", VHDL.replace("wire", ENTITY)), (f"{ENTITY}.v", VERILOG)):
+        (tmp_path / name).write_text(text)
+    if request.param == "ghdl":
+        analyse([tmp_path / f"{ENTITY}.vhd"], tmp_path)
+    sources = (tmp_path / f"{ENTITY}.v",)
+    return Run(request.param, ENTITY, "bench", sources, tmp_path, tmp_path / "run", waves=False)
+
+
+def play(run: Run, bench: str, **environment: str) -> tuple[bool, str]:
+    """Whether a bench passed, and its log."""
+    folder = run.library
+    (folder / "bench.py").write_text(HEAD + bench)
+    given = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)} | environment
+    log = folder / "log.txt"
+    return simulate(run, given, log), log.read_text()
+
+
+SOUND = """
+@cocotb.test()
+async def passes(dut):
+    dut.a.value = 1
+    await cocotb.triggers.Timer(1, "ns")
+    assert dut.b.value == 1
+    pathlib.Path("environment.json").write_text(json.dumps(dict(os.environ)))
+"""
+WRONG = """
+@cocotb.test()
+async def fails(dut):
+    assert False, "seven is not eight"
+"""
+SKIPPED = SOUND.replace("test()", "test(skip=True)")
+ENDS = """
+@cocotb.test()
+async def ends(dut):
+    os._exit(0)
+"""
+
+
+def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd) -> None:
+    def shared_by_the_process() -> list[object]:
+        logs = [logging.getLogger(name) for name in ("", "cocotb")]
+        handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+        return [*handlers, [(log.level, [*log.handlers]) for log in logs], [*warnings.filters]]
+
+    before = shared_by_the_process()
+    good, log = play(wire, SOUND)
+    assert good, log
+    assert "bench.passes" in log
+    assert capfd.readouterr() == ("", "")
+    assert shared_by_the_process() == before
+    assert not list(wire.folder.glob("*.ghw")) + list(wire.folder.glob("*.fst"))
+
+
+@pytest.mark.parametrize(
+    ("bench", "said"),
+    [(WRONG, "seven is not eight"), (SKIPPED, "SKIP=1"), (ENDS, "Running tests"), ("", "")],
+    ids=["wrong", "skipped", "ended", "without-tests"],
+)
+def test_a_bench_that_does_not_pass_is_false_and_its_log_says_why(
+    wire: Run, bench: str, said: str, capfd
+) -> None:
+    good, log = play(wire, bench)
+    assert not good
+    assert said in log
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: Run) -> None:
+    (wire.library / f"{ENTITY}.v").write_text("module other; endmodule\n")
+    for unit in wire.library.glob("*.cf"):
+        unit.unlink()
+    good, log = play(wire, SOUND)
+    assert not good
+    assert ENTITY in log
+
+
+def test_the_environment_is_the_given_one_alone(wire: Run, tmp_path: Path, monkeypatch) -> None:
+    elsewhere = tmp_path / "elsewhere.xml"
+    inherited = {
+        "COCOTB_TEST_FILTER": "matches_nothing",
+        "COCOTB_RESULTS_FILE": str(elsewhere),
+        "RESULT_TESTPACKAGE": "another",
+        "SIM": "verilator",
+        "TACTUS_INHERITED": "1",
+        "WAVES": "yes",
+    }
+    for name, value in inherited.items():
+        monkeypatch.setenv(name, value)
+    good, log = play(wire, SOUND, GIVEN="yes")
+    assert good, log
+    seen = json.loads((wire.folder / "environment.json").read_text())
+    assert seen["GIVEN"] == "yes"
+    assert {name for name in inherited if name in seen} == {"COCOTB_RESULTS_FILE"}
+    assert Path(seen["COCOTB_RESULTS_FILE"]).parent == wire.folder
+    assert not elsewhere.exists()
+
+
+def test_waves_are_written(wire: Run) -> None:
+    waves = Run(**(vars(wire) | {"waves": True}))
+    good, log = play(waves, SOUND)
+    assert good, log
+    ending = {"ghdl": "ghw", "icarus": "fst"}[wire.simulator]
+    assert (wire.folder / f"{ENTITY}.{ending}").stat().st_size > 0
+
+
+def test_a_job_inherits_no_variable_that_changes_a_bench(
+    shared: Shared, tmp_path: Path, monkeypatch
+) -> None:
+    job = copied_job(shared.subject("abs_unit"), tmp_path)
+    expected = run_job(job)
+    monkeypatch.setenv("COCOTB_TEST_FILTER", "matches_nothing")
+    monkeypatch.setenv("COCOTB_RANDOM_SEED", "not a number")
+    monkeypatch.setenv(CONFIGURATION, "{}")
+    outcome = run_job(job)
+    assert outcome.passed, outcome.complaint()
+    assert outcome.compared == expected.compared
+
+
+# To import any of these takes longer than many a bench. A run starts hundreds of benches.
+HEAVY = {"IPython", "jinja2", "joblib", "matplotlib", "onnx", "pandas", "rich", "scipy"}
+
+
+def imported(log: str) -> set[str]:
+    """The packages of which Python says that it imported them."""
+    return set(re.findall(r"^import time:.*\| +(\w+)", log, re.M))
+
+
+def test_a_bench_imports_nothing_heavy(shared: Shared, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
+    outcome = run_job(copied_job(shared.subject("abs_unit"), tmp_path))
+    log = outcome.log.read_text(encoding="utf-8")
+    found = imported(log)
+    assert {"golden", "numpy", "cocotb"} <= found
+    assert not found & (HEAVY | {"myhdl", "_pytest"})
+    # Whoever reads a scene imports the twins of all designs.
+    assert re.search(r"\| +golden\.common\.block$", log, re.M)
+    assert not re.search(r"\| +tactus(\.\w+)*$", log, re.M)

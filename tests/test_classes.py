@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import tiered
-from derivatives import differences
 from refused import call
+from test_training import differences
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL

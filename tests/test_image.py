@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import on_engine, tiered
-from copied import movable
 from refused import call
-from shared import run
+from shared import movable, run
 from test_engine import random_codes
 
 from golden.engine.formats import RESULT, WIDTH

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import GIVEN, ROOT
-from copied import movable
-from shared import run
+from shared import movable, run
 
 from tactus.core.commands import COMMANDS
 from tactus.scene import scene_path

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from derivatives import differences
 from scipy.interpolate import BSpline
+from test_training import differences
 
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.networks.cascade import Cascade
 from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
 from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import tanh
 from tactus.cli import train as command
@@ -45,6 +47,23 @@ def rows(count: int, seed: int = 2) -> Rows:
     rng = np.random.default_rng(seed)
     inputs, targets = rng.uniform(-1, 1, (count, 3)), rng.uniform(0.1, 1, (count, 2))
     return Rows(inputs, targets, np.abs(targets))
+
+
+def differences(function: Callable[[Real], Any], point: Real) -> Real:
+    """The central differences of a function along each coordinate, on the first axis."""
+    steps = 1e-6 * np.eye(len(point))
+    return np.array([(function(point + s) - function(point - s)) / 2e-6 for s in steps])
+
+
+def check_derivatives(aim: Objective, point: Real) -> None:
+    """Gradient and Jacobian are the central differences, and the value is the sum of squares."""
+    value, gradient = aim.evaluate(point)
+    jacobian = aim.jacobian(point)
+    for k, step in enumerate(1e-6 * np.eye(len(point))):
+        ahead, behind = aim.residuals(point + step), aim.residuals(point - step)
+        assert np.allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=1e-6)
+        assert abs((ahead @ ahead - behind @ behind) / 2e-6 - gradient[k]) < 1e-5
+    assert value == pytest.approx(float(aim.residuals(point) @ aim.residuals(point)))
 
 
 @pytest.mark.parametrize("optimiser", OPTIMISERS)

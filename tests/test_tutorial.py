@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import random_mlp, tiered, write_scene
-from copied import ROOT, copy_room
+from shared import ROOT, copy_room
 
 from tactus.core.folders import ROOMS
 
