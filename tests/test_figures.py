@@ -136,7 +136,7 @@ def test_a_cascade_pays_clocks_for_accuracy() -> None:
     def frame(name: str) -> str:
         return str(clocks_per_frame(load_scene(name).twin()))
 
-    page = " ".join(section("figures", "Clocks for accuracy").split())
+    page = " ".join(section("thesis", "Clocks for accuracy").split())
     pairs = {"digit-hybrid": "digit-single", "digit-thesis": "digit-single-thesis"}
     for cascade, single in pairs.items():
         form = rf"`{cascade}` takes (\d+) clocks .*?by ([\d.]+) times .*?`{single}`.*? (\d+)"

@@ -1,5 +1,6 @@
-"""One case of the table, and the functions that compute its figure."""
+"""One case of the table, and the functions that compute and judge its figure."""
 
+import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -8,6 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.input_error import InputError
+from golden.networks.arrangement import seen
+from golden.networks.constants import quantised
+from golden.networks.design import Design
+from golden.networks.network import Network
+from golden.networks.oracle import designs_in, error_bounds, exact
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL, Precision
+from golden.trained.mlp import Mlp
+
+LOW, HIGH = SIGNAL.low, SIGNAL.high
+EQUAL = "equal exact integers"
+BOUNDED = "err by no more than rounding can cause"
 
 
 @dataclass(frozen=True)
@@ -52,3 +65,45 @@ def accepted(calls: Iterable[Callable[[], object]]) -> int:
             continue
         count += 1
     return count
+
+
+def combinations(inputs: int) -> Codes:
+    """Every frame whose samples are at a rail or 0."""
+    return np.array(list(itertools.product((LOW, 0, HIGH), repeat=inputs)))
+
+
+def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
+    """The output codes, shape (frames, outputs), in integers of unlimited width.
+
+    frames, shape (frames, inputs): The sample codes.
+    arrangement: The arrangement of the networks in ``design``.
+    """
+    found: list[Codes] = []
+    for part in designs_in(design):
+        found.append(exact(part, seen(arrangement, frames, found)))
+    return np.concatenate(found, axis=1)
+
+
+def real_error(
+    mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes, sensors: int
+) -> list[tuple[float, float]]:
+    """The largest error over the frames, and its bound, for each output in units of 2**-13.
+
+    The reference uses tanh and the unrounded weights. In it, q saturates to the range of its
+    format, and y to that of the signals.
+
+    network: The bit-true network.
+    frames, found: The samples and the results.
+    sensors: How many inputs are samples. The inputs after them are outputs of earlier networks.
+    """
+    factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
+    hidden = precision.hidden_fmt
+    bounds = error_bounds(network, mlp, precision, sensors)
+    ends = np.multiply.outer(hidden.to_real([hidden.low, hidden.high]), factors)
+    q = np.clip(SIGNAL.to_real(frames) @ mlp.w1.T + mlp.b1, *ends)
+    y = np.clip(np.tanh(q) @ mlp.w2.T + mlp.b2, *SIGNAL.to_real([LOW, HIGH]))
+    errors = np.abs(SIGNAL.to_real(found) - y).max(axis=0)
+    return [
+        (2**SIGNAL.frac * float(error), 2**SIGNAL.frac * float(bound))
+        for error, bound in zip(errors, bounds, strict=True)
+    ]

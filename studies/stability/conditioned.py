@@ -245,9 +245,3 @@ def learning() -> Iterator[Row]:
     apart = float(np.linalg.norm(THETA.to_real(theta[0]) - exact))
     figure = "distance in codes"
     yield Row("board that learns", case, AGREE, figure, apart / code, most * len(away))
-
-
-def conditioned() -> Iterator[Row]:
-    """Every ill-conditioned problem."""
-    for cases in (networks, sensors, recalibration, filters, slopes, learning):
-        yield from cases()

@@ -3,8 +3,6 @@
 They use mpmath, and are slow.
 """
 
-from collections.abc import Sequence
-
 import mpmath as mp
 import numpy as np
 
@@ -92,14 +90,6 @@ def least_squares(matrix: Real, right: Real) -> tuple[Real, float]:
         return np.array([float(value) for value in x]), float(mp.norm(exact * x - wanted))
 
 
-def solved(matrix: Sequence[Sequence[mp.mpf]], right: Real) -> list[list[mp.mpf]]:
-    """The columns x of matrix x = right, by elimination; right has the shape (rows, columns)."""
-    with mp.workdps(DIGITS):
-        one = mp.matrix(matrix)
-        columns = [mp.lu_solve(one, mp.matrix(column)) for column in right.T.tolist()]
-        return [list(column) for column in columns]
-
-
 def inverse_of_squares(matrix: Real) -> Real:
     """The inverse of matrix' matrix."""
     with mp.workdps(DIGITS):
@@ -126,7 +116,8 @@ def ridge(inputs: Real, values: Real, reach: float, smoothing: float, asked: Rea
                 for i, x in enumerate(rows.tolist())
             ]
 
-        weights = solved(kernel(inputs, smoothing), values)
+        matrix = mp.matrix(kernel(inputs, smoothing))
+        weights = [list(mp.lu_solve(matrix, mp.matrix(column))) for column in values.T.tolist()]
         there = kernel(asked, 0)
         return np.array([[float(mp.fdot(row, column)) for column in weights] for row in there])
 

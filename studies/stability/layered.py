@@ -16,12 +16,9 @@ from golden.numbers.fixed import Codes, signed_width
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import Dense, DenseNetwork, Quantiser
-from studies.stability.case import Row, largest
+from studies.stability.case import BOUNDED, EQUAL, HIGH, LOW, Row, combinations, largest
 
-LOW, HIGH = SIGNAL.low, SIGNAL.high
 MODEL = "deep engine"
-EQUAL = "equal exact integers"
-BOUNDED = "err by no more than rounding can cause"
 SEGMENT_WIDTH = 9
 # Each kind of activation, all of them saturating ones, and a mixture.
 KINDS = (
@@ -40,7 +37,7 @@ MOST = 2 ** (WIDTH - 1) - 1
 
 def rails() -> Iterator[Row]:
     """Networks of each kind with their sensors at the rails."""
-    frames = _rails(4)
+    frames = combinations(4)
     for kinds in KINDS:
         network = _random((4, 8, 6, 5, 2), kinds)
         yield from _judged(network, f"{', '.join(kinds)}: all sensors at rails or 0", frames)
@@ -61,7 +58,7 @@ def ends() -> Iterator[Row]:
 
 def dead() -> Iterator[Row]:
     """A layer of ReLU whose nodes are 0 for every sample."""
-    frames = _rails(4)
+    frames = combinations(4)
     first, *others = _random((4, 8, 6, 2), ("relu", "relu")).layers
     asleep = -np.abs(first.weights).sum(axis=1) - 1
     network = DenseNetwork((Dense(first.weights, asleep, "relu"), *others))
@@ -125,12 +122,6 @@ def ranges() -> Iterator[Row]:
         yield Row(MODEL, case, "count them", f"not counted of {counted}", missed, 0)
 
 
-def layered() -> Iterator[Row]:
-    """Every case of several hidden layers."""
-    for cases in (rails, ends, dead, ties, ranges):
-        yield from cases()
-
-
 def _judged(
     network: DenseNetwork, case: str, frames: Codes, met: Sequence[float] = ()
 ) -> Iterator[Row]:
@@ -168,7 +159,7 @@ def _sums(engine: Engine, frames: Codes) -> Iterator[tuple[IntegerLayer, list[in
 
 def _filled(kind: str, lean: bool) -> tuple[float, int, int]:
     """Codes that differ from exact integers, bits of the largest sum, bits of the accumulator."""
-    frames = _rails(4)
+    frames = combinations(4)
     off, pairs = 0.0, []
     for signs in itertools.product((1.0, -1.0), repeat=3):
         for mixed in (False, True):
@@ -178,10 +169,6 @@ def _filled(kind: str, lean: bool) -> tuple[float, int, int]:
             sums = [int(total) for _, (made,), _ in run for total in made]
             pairs.append((signed_width(sums), engine.acc_width))
     return off, *max(pairs, key=lambda pair: pair[0] / pair[1])
-
-
-def _rails(inputs: int) -> Codes:
-    return np.array(list(itertools.product((LOW, 0, HIGH), repeat=inputs)))
 
 
 def _random(shape: tuple[int, ...], kinds: tuple[str, ...], spread: float = 1.5) -> DenseNetwork:

@@ -23,26 +23,28 @@ from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
 from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import Mlp
-from studies.stability.case import Row, accepted, largest, worst
-from studies.stability.exact import exact_network
-from studies.stability.real import real_error
+from studies.stability.case import (
+    BOUNDED,
+    EQUAL,
+    HIGH,
+    LOW,
+    Row,
+    accepted,
+    combinations,
+    exact_network,
+    largest,
+    real_error,
+    worst,
+)
 from tactus.scene import Scene, load_scene, scene_names
 
-LOW, HIGH = SIGNAL.low, SIGNAL.high
 FACTOR = 512  # a Y_i larger than any shipped network has
-EQUAL = "equal exact integers"
-BOUNDED = "err by no more than rounding can cause"
 # A bound of more than this part of full scale tells nobody that an output is right.
 USELESS = 0.01 * 2.0**SIGNAL.frac
 # Networks whose weights and biases are all at a limit. From a Q_j of 2400 on, thresholds of the
 # gradient activation coincide in 14 bits; 31.99 fills a word of 18 bits.
 SHAPES = ((1, 1, 1), (4, 3, 2))
 MOST_Q, MOST_WORD = 2390, 31.99
-
-
-def _combinations(values: tuple[int, ...], inputs: int) -> Codes:
-    """Every frame whose samples are among some codes."""
-    return np.array(list(itertools.product(values, repeat=inputs)))
 
 
 def _alternating(inputs: int) -> Codes:
@@ -107,9 +109,7 @@ def _sent(scene: Scene) -> dict[str, Codes]:
     inputs, past = len(scene.sensors), scene.window.past
     if not past:
         return {
-            "all sensors at rails or 0, alternating ones too": _combinations(
-                (LOW, 0, HIGH), inputs
-            ),
+            "all sensors at rails or 0, alternating ones too": combinations(inputs),
         }
     rng = np.random.default_rng(0)
     drawn = rng.choice([LOW, 0, HIGH], (past + 500, inputs))
@@ -145,9 +145,7 @@ def huge_weights() -> Iterator[Row]:
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.full((1, 3), 0.3), np.zeros(1))
     most = int(normalisation(mlp.w1, mlp.b1).max())
-    frames = np.concatenate(
-        [_combinations((LOW, 0, HIGH), 4), rng.integers(LOW, HIGH + 1, (500, 4))]
-    )
+    frames = np.concatenate([combinations(4), rng.integers(LOW, HIGH + 1, (500, 4))])
     for name, precision, build in _designs():
         network = build(mlp)
         found = network.process(frames)
@@ -198,7 +196,7 @@ def _at_limits() -> Iterator[Row]:
             first, second = np.zeros((hidden, inputs)), np.zeros((outputs, hidden))
             like = Mlp(first, np.zeros(hidden), second, np.zeros(outputs))
             length = len(packed(like))
-            frames = _combinations((LOW, 0, HIGH), inputs)
+            frames = combinations(inputs)
             size = MOST_Q / (inputs + 1) - 0.5 if precision.normalise else MOST_WORD
             for signs in (np.ones(length), np.resize([1, -1], length), rng.choice([-1, 1], length)):
                 network = build(unpacked(size * signs, like))

@@ -3,32 +3,18 @@
 import math
 from collections.abc import Callable, Iterator
 
-from studies.stability import (
-    activations,
-    conditioned,
-    layered,
-    networks,
-    physics,
-    visualisation,
-)
+from studies.stability import conditioned, functions, layered, networks, physics
 from studies.stability.case import Row
 from tactus.report.measure.table import Cell
 
 # The fields in the order of the table.
 CASES: tuple[Callable[[], Iterator[Row]], ...] = (
-    networks.readings,
-    networks.rails,
-    networks.huge_weights,
-    networks.accumulators,
-    layered.layered,
-    activations.most_negative,
-    activations.divergence,
-    visualisation.narrow_loads,
-    visualisation.jumps,
-    physics.plates,
-    physics.swings,
-    physics.others,
-    conditioned.conditioned,
+    *(networks.readings, networks.rails, networks.huge_weights, networks.accumulators),
+    *(layered.rails, layered.ends, layered.dead, layered.ties, layered.ranges),
+    *(functions.most_negative, functions.divergence, functions.narrow_loads, functions.jumps),
+    *(physics.plates, physics.swings, physics.others),
+    *(conditioned.networks, conditioned.sensors, conditioned.recalibration),
+    *(conditioned.filters, conditioned.slopes, conditioned.learning),
 )
 
 
