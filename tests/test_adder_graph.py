@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers import kept_graph
+from golden.layers import sharing
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
 from golden.layers.shift_add import Sum
@@ -17,7 +17,6 @@ from golden.networks.adder_graph import AdderGraph
 from golden.networks.design import Design, Settings
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
-from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact
 from golden.networks.parallel import Parallel
 from golden.numbers.fixed import Fix
@@ -141,7 +140,7 @@ def test_nodes_that_never_change_are_part_of_biases() -> None:
     design = AdderGraph.of([network_of([first, second])], Settings(EXACT, "bipartite"))
     assert (design.constant_nodes, design.useless_nodes) == (2, 1)
     assert len(design.layers[0].weights) == design.layers[1].inputs == 2
-    texts = left_out(design)
+    texts = design.left_out()
     assert "2 hidden nodes that never change, now in biases" in texts
     assert "1 hidden nodes whose weights to the outputs are 0" in texts
     kept = [0, 3]
@@ -231,14 +230,14 @@ def some_frames(matrix: ConstantMatrix) -> np.ndarray:
 def test_a_graph_of_a_large_matrix_is_kept(own_store: Path, monkeypatch) -> None:
     weights = tuple(tuple(4 * i + j + 1 for j in range(4)) for i in range(8))
     large = ConstantMatrix(SAMPLES, WIDE, weights, (0,) * 8, 6, 1, 4)
-    assert sum(map(len, weights)) == kept_graph.LEAST_WEIGHTS
+    assert sum(map(len, weights)) == sharing.LEAST_WEIGHTS
     first = searched(large, 0).graph
     assert len(list(own_store.rglob("*.json"))) == 1
     fewer = replace(large, weights=weights[:-1], biases=(0,) * 7)
     assert fewer.graph
     assert len(list(own_store.rglob("*.json"))) == 1
     with monkeypatch.context() as patch:
-        patch.setattr(kept_graph, "shared", pytest.fail)
+        patch.setattr(sharing, "shared", pytest.fail)
         assert replace(large).graph == first
 
 
@@ -290,7 +289,7 @@ def test_results_saturate() -> None:
     ("changed", "message"),
     [
         ({"weights": ((1, 2), (3,))}, r"rows of \[2, 1\] weights"),
-        ({"adder_operands": 4}, "got adder_operands=4, expected 2 or 3"),
+        ({"adder_operands": 4}, "got adder_operands=4, expected 2 to 3"),
         ({"in_ends": ((0, 1), (3, 2))}, r"got in_ends \(3, 2\), expected codes of Fix\(6,5\)"),
         ({"weights": ((1, 2), (3, 1 << 60))}, "got sums of 67 bits, expected 62 at most"),
     ],

@@ -25,10 +25,9 @@ from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.input_error import InputError
-from golden.networks.bounds import engine_bounds
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.left_out import left_out
+from golden.networks.oracle import engine_bounds
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
@@ -245,7 +244,7 @@ def test_codes_of_one_bit(lanes: int) -> None:
 def test_no_more_lanes_than_a_layer_has_nodes() -> None:
     many = lanes_of("least-engine", 16)
     assert many.lanes == 1
-    assert "15 lanes that no layer has a node for" in left_out(many)
+    assert "15 lanes that no layer has a node for" in many.left_out()
 
 
 @pytest.mark.parametrize("name", ["digit", "comparison/digit-lanes4", "comparison/digits-lanes8"])

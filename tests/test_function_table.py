@@ -18,9 +18,9 @@ from golden.engine.image import Image
 from golden.engine.integer_network import evaluate
 from golden.engine.lane_memory import block_of
 from golden.input_error import InputError
-from golden.networks.bounds import engine_bounds
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
+from golden.networks.oracle import engine_bounds
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
 from golden.trained.function import Function

@@ -20,7 +20,6 @@ from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.left_out import left_out
 from golden.trained.dense import Quantiser, Trained
 from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
@@ -110,7 +109,7 @@ def test_networks_of_any_kind(name: str, lanes: int) -> None:
     assert hardware.loaded is not None
     assert hardware.lanes == lanes
     check_loaded(hardware, hardware.loaded, Engine.of(networks, Settings(), case.arrangement))
-    found = [text for text in left_out(hardware) if "no layer has a node" in text]
+    found = [text for text in hardware.left_out() if "no layer has a node" in text]
     assert not found, "every lane is there, whatever the network of the scene needs"
 
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from refused import call
 
-from golden.networks.left_out import left_out, parts_left_out
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.export.exporter import MANIFEST, export
@@ -55,7 +54,7 @@ def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
     scene = load_scene(str(path))
     same_results(scene)
     whole, lean = scene.twin(lean=False).activations[0], scene.twin().activations[0]
-    saved = parts_left_out(lean)["comparators of segments no neuron reaches"]
+    saved = lean.parts_left_out()["comparators of segments no neuron reaches"]
     assert saved == len(whole.table.thresholds) - len(lean.table.thresholds) > 0
     _, text = exported(scene, tmp_path)
     assert len(re.findall(r"signed\(resize\(in_mag|in_mag > ", text)) < len(whole.table.thresholds)
@@ -68,12 +67,12 @@ def test_hidden_nodes_and_multipliers_that_no_output_uses(tmp_path: Path, name: 
     same_results(scene)
     design = scene.twin()
     assert len(design.activations) == 3
-    assert "1 hidden nodes whose weights to the outputs are 0" in left_out(design)
+    assert "1 hidden nodes whose weights to the outputs are 0" in design.left_out()
     _, text = exported(scene, tmp_path)
     node = r"u_input_node_\d+: entity" if name == "hybrid" else r"entity neuron_q\w+ is"
     assert len(re.findall(node, text)) == 3
     if name == "parallel":
-        assert "3 multipliers of weights that are 0" in left_out(design)
+        assert "3 multipliers of weights that are 0" in design.left_out()
         weights = [w for n in (*design.hidden_neurons, *design.output_neurons) for w in n.weights]
         assert weights.count(0) == 3
         assert len(re.findall(r"weigh\d+_product <= ", text)) == len(weights) - 3

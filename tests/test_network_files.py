@@ -17,8 +17,8 @@ from scipy.io import savemat
 from test_engine import random_codes
 
 from golden.input_error import InputError, MissingFileError
-from golden.networks.bounds import engine_bounds
 from golden.networks.engine import Engine
+from golden.networks.oracle import engine_bounds
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import (
     ACTIVATIONS,

@@ -10,7 +10,6 @@ from pages import ROUNDING, cells, same_picture, shows
 from shared import Shared
 
 from golden.input_error import InputError
-from golden.networks.left_out import left_out
 from tactus.cli.demo import error_table
 from tactus.cli.listing import adders as listing
 from tactus.core.commands import BY_NAME
@@ -163,7 +162,7 @@ def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
     first, *others = re.search(r"make lean SCENE=(\S+) BESIDE=(\S+)`", page).groups()
     shown = page.partition(f"\nscene {first} leaves out:\n")[2].partition("\n```")[0]
     texts, _, table = shown.partition("\n\n")
-    assert [line.strip() for line in texts.splitlines()] == left_out(load_scene(first).twin())
+    assert [line.strip() for line in texts.splitlines()] == load_scene(first).twin().left_out()
     for name in (first, *others):
         scene = load_scene(name)
         recorded = read_budget(scene.path)["xc2v"][scene.twin().entity]

@@ -14,10 +14,9 @@ from refused import call
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
-from golden.networks.bounds import engine_bounds
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.oracle import exact
+from golden.networks.oracle import engine_bounds, exact
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork

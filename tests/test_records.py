@@ -18,7 +18,7 @@ from golden.common.block import Block
 from golden.common.border import Border, State
 from golden.common.port import Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.closest import closest
+from golden.layers.weighted_sum import closest
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
 from tactus.verify.benches.collected import BENCHES, PROOFS, properties_of

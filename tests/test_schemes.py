@@ -4,8 +4,10 @@ import json
 import sys
 import tomllib
 import warnings
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,19 +20,11 @@ from golden.activation.gradient import gradient_for
 from golden.activation.pade import UnsettledWarning, fraction, pade_for, pade_real
 from golden.activation.polynomial import normalised, polynomial_for
 from golden.activation.precise import Precise
-from golden.activation.reference import (
-    inverse,
-    inverse_fraction,
-    pade_fraction,
-    rho_regression,
-    taylor,
-)
 from golden.activation.schemes import SCHEMES, forms
 from golden.activation.segments import coefficient_codes, gradient_real
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
-from golden.networks.left_out import parts_left_out
 from golden.numbers.fixed import Codes, Fix, cut
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from golden.numbers.transcendental import tanh_floors
@@ -112,7 +106,7 @@ def test_what_is_out_of_reach_is_left_out_and_changes_nothing(name, precision, r
     limit = int(reach / factor * 2**precision.hidden_fmt.frac)
     full = FORMS[name].build(precision, factor, precision.hidden_fmt.high)
     lean = FORMS[name].build(precision, factor, limit)
-    assert parts_left_out(lean).total() > parts_left_out(full).total() == 0
+    assert lean.parts_left_out().total() > full.parts_left_out().total() == 0
     codes = np.arange(-limit, limit + 1)
     assert np.array_equal(lean.process(codes), full.process(codes))
 
@@ -150,15 +144,40 @@ Q = np.linspace(-3, 3, 601)
 def test_the_thesis_is_right_about_series_and_fraction() -> None:
     """The series is off by up to 2.3 % of tanh for positive q, the fraction by less than 0.25 %."""
     positive = Q[Q > 0]
-    worst = np.abs(taylor(positive) / np.tanh(positive) - 1).max()
+    x = 2 * positive
+    # Equation 4.5, with the series of exp(2 q) up to the fourth power; then equation 4.6.
+    power = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4)))
+    worst = np.abs((power - 1) / (power + 1) / np.tanh(positive) - 1).max()
     assert 100 * worst == pytest.approx(2.3, abs=0.05)
-    assert 100 * np.abs(pade_fraction(Q) - np.tanh(Q)).max() < 0.25
-    assert pade_fraction(1e-8) == pytest.approx(1e-8)
+    a, b = fraction(Q)
+    assert 100 * np.abs(Q * a / b - np.tanh(Q)).max() < 0.25
+
+
+def repeated(step: Callable[[Any], Any], count: int) -> Any:
+    """What a regression is at after so many steps from 0."""
+    found = 0.0
+    for _ in range(count):
+        found = step(found)
+    return found
+
+
+def inverse_fraction(q: Any, count: int) -> Any:
+    """B / A by equation 4.8."""
+    a, b = fraction(np.asarray(q))
+    return repeated(lambda h: b - h * (a - 1), count)
+
+
+def inverse(z: Any, count: int) -> Any:
+    """1 / z by equation 4.9."""
+    return repeated(lambda v: 1 - v * (z - 1), count)
 
 
 def test_the_regression_step_by_step_is_its_closed_form() -> None:
+    """Equations 4.10 to 4.12."""
+    a, b = fraction(Q)
     for rho, iterations in ((4.0, 1), (4.0, 24), (4.5, 32)):
-        expected = np.clip(np.abs(rho_regression(Q, rho, iterations)), 0, 1) * np.sign(Q)
+        d = repeated(lambda d, rho=rho: 1 / rho - d * (b - rho) / rho, iterations)
+        expected = np.clip(np.abs(Q * a * d), 0, 1) * np.sign(Q)
         assert pade_real(Q, rho, iterations)[0] == pytest.approx(expected)
 
 

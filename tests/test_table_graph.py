@@ -8,11 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.networks.design import Settings
-from golden.networks.function_sums import function_sums
-from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, hidden_weights
 from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import GUARD, TableGraph
+from golden.networks.table_sums import function_sums
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.function_network import FunctionNetwork
 from tactus.errors import decisions_of, held_out_or_all, provenances
@@ -127,7 +126,7 @@ def test_nothing_is_built_that_changes_no_output() -> None:
     assert (used.useless_nodes, used.constant_nodes, len(used.hidden.weights)) == (0, 0, 4)
     assert len(design.hidden.weights) == 2
     assert len(design.first) < len(used.first) * 3 // 4
-    texts = " ".join(left_out(design))
+    texts = " ".join(design.left_out())
     assert "multiplier" in texts
     codes = frames(2)
     real = network.layers().process(SIGNAL.to_real(codes)).clip(-1, 1)

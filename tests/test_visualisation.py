@@ -10,9 +10,13 @@ from hypothesis import strategies as st
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.visualisation.functions import harmonic_limit, harmonic_load, harmonic_tail
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, load_profile, ramp
 from golden.visualisation.power_fold import PowerFold
+from studies.stability.functions import (
+    harmonic_limit,
+    harmonic_load,
+    harmonic_tail,
+)
 from tactus.core.table import read_table
 from tactus.scene import load_scene, thesis_table
 from tactus.verify.benches.written import write_scene

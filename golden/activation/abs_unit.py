@@ -29,7 +29,6 @@ class AbsUnit(Block):
 
     @property
     def mag_width(self) -> int:
-        """Bits of the unsigned magnitude."""
         return self.fmt.width - 1
 
     @property

@@ -1,5 +1,6 @@
 """What all activations have in common, so that a network can use any of them."""
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -7,10 +8,19 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.sign_retriever import SignRetriever
 from golden.common.block import Block
 from golden.common.border import Border, border_among
 from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.numbers.fixed import Codes, Fix
+
+# Kinds of parts that an activation may lack.
+COMPARATORS = "comparators of segments no neuron reaches"
+MULTIPLIERS = "multipliers of segments no neuron reaches"
+ROM_WORDS = "ROM words of segments no neuron reaches"
+TABLE_WORDS = "table words that no neuron reaches"
 
 
 @dataclass(frozen=True)
@@ -67,6 +77,10 @@ class ActivationBlock(Block):
         """The activation codes, computed part by part as the hardware does it."""
         raise NotImplementedError
 
+    def parts_left_out(self) -> Counter[str]:
+        """How many parts of each kind the block lacks because the neuron cannot need them."""
+        return Counter()
+
     @property
     def marks(self) -> tuple[int, ...]:
         """The largest magnitude of each segment but the last."""
@@ -95,7 +109,6 @@ class ActivationBlock(Block):
 
     @property
     def border_codes(self) -> Codes:
-        """Codes of the input on both sides of every border."""
         return _border_codes(self)
 
 
@@ -139,3 +152,43 @@ def _results(activation: ActivationBlock) -> Codes:
     fmt = activation.in_fmt
     codes = np.concatenate([np.arange(fmt.high + 1), np.arange(fmt.low, 0)])
     return activation.compute(codes).astype(np.min_scalar_type(activation.out_fmt.low))
+
+
+@dataclass(frozen=True)
+class OddActivation(ActivationBlock):
+    """Splits off the sign of a code, and gives it back to the result."""
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+
+class Compared(OddActivation):
+    """Compares the magnitude with thresholds; beyond the last of them the result is the largest.
+
+    A subclass has ``thresholds`` among its fields: the last magnitude code of each segment that the
+    neuron can exceed.
+    """
+
+    thresholds: tuple[int, ...]
+
+    @property
+    def comparator_bank(self) -> ComparatorBank:
+        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.comparator_bank, self.sign_retriever
+
+    @property
+    def marks(self) -> tuple[int, ...]:
+        return self.thresholds
+
+    def compute(self, data: Codes) -> Codes:
+        negative = self.abs_unit.process(data)[1]
+        result = np.clip(self.unlimited(data)["result"], *self.limits["result"])
+        magnitude = np.where(self.curved(data), result, self.out_fmt.high)
+        return self.sign_retriever.process(magnitude, negative)

@@ -1,11 +1,12 @@
 """bipartite: tanh from two tables, without a multiplier."""
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from golden.activation.activation_block import ActivationBlock
+from golden.activation.activation_block import TABLE_WORDS, ActivationBlock
 from golden.activation.bipartite_table import (
     CORRECTED_WIDTH,
     FINE_WIDTH,
@@ -68,11 +69,7 @@ class Bipartite(ActivationBlock):
                 f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
                 f"{EXACT.hidden_fmt.frac} fraction bits and {RESULT}"
             )
-        least, most = self.formats.group_width + 1, self.in_fmt.width - 1
-        if not least <= self.reach_width <= most:
-            raise InputError(
-                f"{self.entity}: got reach_width={self.reach_width}, expected {least} to {most}"
-            )
+        self.check(reach_width=(self.formats.group_width + 1, self.in_fmt.width - 1))
 
     @property
     def formats(self) -> BipartiteFormat:
@@ -120,6 +117,10 @@ class Bipartite(ActivationBlock):
         mag = np.arange(1 << reach_width)
         base, slope = self.formats.addresses(mag, mag)
         return len(np.unique(base)) + len(np.unique(slope))
+
+    def parts_left_out(self) -> Counter[str]:
+        reached = self.words_within(min(self.reach_width, MAGNITUDE_WIDTH))
+        return +Counter({TABLE_WORDS: self.words_within(MAGNITUDE_WIDTH) - reached})
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -1,14 +1,15 @@
 """The modified Gradient activation: computes tanh by segments with one multiplier."""
 
+from collections import Counter
 from dataclasses import dataclass
 
+from golden.activation.activation_block import COMPARATORS, ROM_WORDS, OddActivation
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.g_memory import GMemory
 from golden.activation.grad_eqn import GradEqn
 from golden.activation.i_memory import IMemory
-from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
-from golden.activation.segments import SegmentTable, gradient_real, segment_table
+from golden.activation.segments import UPPER, SegmentTable, gradient_real, segment_table
 from golden.common.block import Block
 from golden.numbers.fixed import Codes, Rounding
 from golden.numbers.precision import SIGNAL, Precision
@@ -66,12 +67,7 @@ class Gradient(OddActivation):
 
     @property
     def latency(self) -> int:
-        return (
-            self.abs_unit.latency
-            + self.comparator_bank.latency
-            + self.grad_eqn.latency
-            + self.sign_retriever.latency
-        )
+        return sum(part.latency for part in self.parts())
 
     def parts(self) -> tuple[Block, ...]:
         return (
@@ -82,6 +78,12 @@ class Gradient(OddActivation):
             self.grad_eqn,
             self.sign_retriever,
         )
+
+    def parts_left_out(self) -> Counter[str]:
+        comparators = len(UPPER) - len(self.table.thresholds)
+        # The word of what saturates comes with the last comparator.
+        words = 2 * (len(UPPER) + 1 - len(self.table.coeffs)) if comparators else 0
+        return +Counter({COMPARATORS: comparators, ROM_WORDS: words})
 
     @property
     def marks(self) -> tuple[int, ...]:

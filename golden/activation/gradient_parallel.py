@@ -1,10 +1,12 @@
 """The Gradient activation as first drawn: tanh by segments, with a multiplier for each."""
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
+from golden.activation.activation_block import COMPARATORS, MULTIPLIERS
 from golden.activation.gradient import Gradient, gradient_for
 from golden.activation.scheme import Scheme
 from golden.activation.segments import UPPER, gradient_real
@@ -36,6 +38,10 @@ class GradientParallel(Gradient):
         """Gradient and intercept of each segment that has a sub-unit."""
         rows = zip(self.table.coeffs, self.table.intercepts, strict=True)
         return tuple(rows)[: -1 if self.saturates else None]
+
+    def parts_left_out(self) -> Counter[str]:
+        comparators = len(UPPER) - len(self.table.thresholds)
+        return +Counter({COMPARATORS: comparators, MULTIPLIERS: len(UPPER) - len(self.segments)})
 
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)

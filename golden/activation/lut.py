@@ -1,5 +1,6 @@
 """The look-up table activation: tanh from a table of 128 values."""
 
+from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -7,7 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.odd_activation import Compared
+from golden.activation.activation_block import COMPARATORS, TABLE_WORDS, Compared
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below
 from golden.input_error import InputError
@@ -59,15 +60,16 @@ class Lut(Compared):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the table's address."""
         return max(1, (len(self.words) - 1).bit_length())
 
     @property
     def latency(self) -> int:
         # The address is computed beside the comparator bank; the word takes one clock more.
-        return (
-            self.abs_unit.latency + self.comparator_bank.latency + 1 + self.sign_retriever.latency
-        )
+        return sum(part.latency for part in self.parts()) + 1
+
+    def parts_left_out(self) -> Counter[str]:
+        words, comparators = DEPTH - len(self.words), 1 - len(self.thresholds)
+        return +Counter({TABLE_WORDS: words, COMPARATORS: comparators})
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -1,13 +1,14 @@
 """The Pade activation: tanh as a fraction, whose denominator is inverted by iteration."""
 
 import warnings
+from collections import Counter
 from dataclasses import dataclass
-from math import floor
+from math import floor, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.odd_activation import Compared
+from golden.activation.activation_block import COMPARATORS, Compared
 from golden.activation.scheme import Option, Scheme
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
@@ -79,6 +80,12 @@ def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
     units[ratio >= 1] = np.inf
     worst = int(np.argmax(units))
     return float(units[worst]), float(q[worst])
+
+
+def stable_below(rho: float) -> float:
+    """The ``|q|`` at which B(q) = 2 rho, from which on the regression diverges."""
+    c, d = DENOMINATOR
+    return sqrt((sqrt(c * c + 4 * d * (2 * rho - 1)) - c) / (2 * d))
 
 
 @dataclass(frozen=True)
@@ -226,14 +233,10 @@ class Pade(Compared):
     def latency(self) -> int:
         # After the comparator bank the square takes one clock and the polynomials take two; then
         # follow one clock for every iteration, and one for the quotient.
-        return (
-            self.abs_unit.latency
-            + self.comparator_bank.latency
-            + 3
-            + self.iterations
-            + 1
-            + self.sign_retriever.latency
-        )
+        return sum(part.latency for part in self.parts()) + 3 + self.iterations + 1
+
+    def parts_left_out(self) -> Counter[str]:
+        return +Counter({COMPARATORS: 1 - len(self.thresholds)})
 
     @property
     def limits(self) -> dict[str, tuple[int, int]]:
@@ -268,11 +271,7 @@ def _horner(values: tuple[float, float, float], out: int, inner: int, width: int
 
 
 def pade_for(
-    precision: Precision,
-    factor: int,
-    reach: int,
-    rho: float = RHO,
-    iterations: int = ITERATIONS,
+    precision: Precision, factor: int, reach: int, rho: float = RHO, iterations: int = ITERATIONS
 ) -> Pade:
     """The Pade activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 

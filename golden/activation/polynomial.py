@@ -1,12 +1,13 @@
 """The Polynomial activation: approximates tanh by two quadratics."""
 
+from collections import Counter
 from dataclasses import dataclass
 from math import ldexp
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.odd_activation import Compared
+from golden.activation.activation_block import COMPARATORS, ROM_WORDS, Compared
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below, nearest
 from golden.input_error import InputError
@@ -138,13 +139,11 @@ class Polynomial(Compared):
     @property
     def latency(self) -> int:
         # Two clocks for products and sum, and one for the de-normalisation where there is one.
-        return (
-            self.abs_unit.latency
-            + self.comparator_bank.latency
-            + 2
-            + (self.factor is not None)
-            + self.sign_retriever.latency
-        )
+        return sum(part.latency for part in self.parts()) + 2 + (self.factor is not None)
+
+    def parts_left_out(self) -> Counter[str]:
+        comparators, words = len(UPPER) - len(self.thresholds), 3 * (len(UPPER) - len(self.coeffs))
+        return +Counter({COMPARATORS: comparators, ROM_WORDS: words})
 
     @property
     def limits(self) -> dict[str, tuple[int, int]]:

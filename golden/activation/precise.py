@@ -1,10 +1,11 @@
 """precise: computes tanh with an error of at most one unit of the last place."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 
-from golden.activation.odd_activation import OddActivation
+from golden.activation.activation_block import ROM_WORDS, OddActivation
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
 from golden.activation.scheme import Option, Scheme, require_exact
 from golden.common.block import Block
@@ -54,9 +55,7 @@ class Precise(OddActivation):
                 f"{self.entity}: got coefficients={self.coefficients!r}, expected one of "
                 f"{', '.join(FORMATS)}"
             )
-        most = len(self.whole.intercepts)
-        if not 1 <= self.words <= most:
-            raise InputError(f"{self.entity}: got words={self.words}, expected 1 to {most}")
+        self.check(words=(1, len(self.whole.intercepts)))
 
     @property
     def formats(self) -> CurveFormat:
@@ -84,6 +83,9 @@ class Precise(OddActivation):
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.sign_retriever
+
+    def parts_left_out(self) -> Counter[str]:
+        return +Counter({ROM_WORDS: len(self.whole.intercepts) - self.words})
 
     @property
     def marks(self) -> tuple[int, ...]:

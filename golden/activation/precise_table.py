@@ -81,11 +81,7 @@ class CurveFormat:
         """The segment, the distance x from its middle, and t, of each magnitude."""
         distance = mag & ((1 << self.distance_width) - 1)
         top = distance >> (self.distance_width - self.top_width)
-        return (
-            mag >> self.distance_width,
-            distance - (1 << (self.distance_width - 1)),
-            top,
-        )
+        return (mag >> self.distance_width, distance - (1 << (self.distance_width - 1)), top)
 
     def slope(self, gradient: Codes, curve: Codes, top: Codes) -> Codes:
         """Compute gradient - curve * t with ``slope_frac`` fraction bits.

@@ -38,7 +38,6 @@ class Rom(Block):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the address."""
         return max(1, (len(self.words) - 1).bit_length())
 
     @property
@@ -54,7 +53,6 @@ class Rom(Block):
 
     @property
     def meanings(self) -> list[str]:
-        """The number for which each word stands."""
         return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:

@@ -65,7 +65,6 @@ class SegmentTable:
 
     @property
     def coeff_width(self) -> int:
-        """Bits of the widest coefficient."""
         return max(1, max(self.coeffs).bit_length())
 
 

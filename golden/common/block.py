@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from golden.common.border import Border, State
+from golden.common.flow import Flow
 from golden.common.port import Port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
@@ -35,6 +36,14 @@ class Block:
     def entity(self) -> str:
         """Name of the VHDL entity and Verilog module."""
         return f"{self.block}_{self.variant}" if self.variant else self.block
+
+    def check(self, **ends: tuple[int, int | None]) -> None:
+        """Refuse constants that are not between their least and their largest value, if any."""
+        for name, (low, high) in ends.items():
+            got = getattr(self, name)
+            if got < low or (high is not None and got > high):
+                expected = f"{low} or more" if high is None else f"{low} to {high}"
+                raise InputError(f"{self.entity}: got {name}={got}, expected {expected}")
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -78,6 +87,10 @@ class Block:
     def parts(self) -> tuple[Block, ...]:
         """The blocks of which this one is assembled."""
         return ()
+
+    def flow(self) -> Flow | None:
+        """How data flow through it; None if the list of parts says enough."""
+        return None
 
     def facts(self) -> tuple[str, ...]:
         """Facts that a picture shows about the block, besides its formats."""

@@ -9,7 +9,6 @@ from golden.engine.formats import HIDDEN, PRODUCT_WIDTH, WIDTH, WORD
 from golden.engine.lane_groups import partners
 from golden.engine.lane_program import FIELDS
 from golden.engine.program_memory import later
-from golden.input_error import InputError
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 
@@ -62,11 +61,7 @@ class Accumulator(Block):
     acc_width: int
 
     def __post_init__(self) -> None:
-        if not PRODUCT_WIDTH <= self.acc_width <= _MOST_WIDTH:
-            raise InputError(
-                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to "
-                f"{_MOST_WIDTH}"
-            )
+        self.check(acc_width=(PRODUCT_WIDTH, _MOST_WIDTH))
 
 
 @dataclass(frozen=True)
@@ -222,9 +217,7 @@ class OperandSelect(Block):
         CLOCK,
         input_port("word", "word that was read", WORD),
         input_port(
-            "kind",
-            "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
-            Unsigned(2),
+            "kind", "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)
         ),
         output_port("operand", "operand, registered", WORD),
     )
@@ -251,7 +244,6 @@ class TableAddress(Block):
 
     @property
     def addr_width(self) -> int:
-        """Number of bits of an address that reaches the last segment."""
         return max(1, (self.segments - 1).bit_length())
 
     @property

@@ -16,8 +16,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, zip_longest
 from typing import Any
 
-from golden.engine.fields import signed_code
-from golden.engine.formats import WIDTH, WORD_WIDTH
+from golden.engine.formats import WIDTH, WORD_WIDTH, signed_code
 from golden.engine.function_table import (
     MOST_WORDS,
     SEGMENT_WIDTH,
@@ -119,7 +118,6 @@ class Sizes:
 
     @property
     def acc_width(self) -> int:
-        """Bits of the sum."""
         return RELU_ACC_WIDTH if self.rectifies else ACC_WIDTH
 
     @property

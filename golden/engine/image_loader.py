@@ -60,7 +60,6 @@ class ImageLoader(Block):
 
     @property
     def program_addr_width(self) -> int:
-        """Bits of the address of a word."""
         return (self.words - 1).bit_length()
 
     @property

@@ -7,8 +7,18 @@ from typing import Self, TypeVar
 
 import numpy as np
 
-from golden.engine.fields import get, put, signed_code, word_of
-from golden.engine.formats import DROPPED, ONE, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, coeff_frac
+from golden.engine.formats import (
+    DROPPED,
+    ONE,
+    OUTPUT_SHIFT,
+    SAMPLE_SHIFT,
+    WIDTH,
+    coeff_frac,
+    get,
+    put,
+    signed_code,
+    word_of,
+)
 from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined, segments_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
@@ -69,7 +79,6 @@ class Layout:
 
     @property
     def width(self) -> int:
-        """Bits of a word."""
         return sum(self.widths)
 
 
@@ -200,12 +209,10 @@ class LaneProgram:
 
     @property
     def segments(self) -> int:
-        """The number of segments in each block of the table."""
         return len(self.table) // 2 // self.blocks
 
     @property
     def segment_bits(self) -> int:
-        """Bits of the number of a segment."""
         return (self.segments - 1).bit_length() if self.table else 0
 
     @property
@@ -238,7 +245,6 @@ class LaneProgram:
 
     @property
     def output_steps(self) -> list[int]:
-        """The steps whose results leave the engine."""
         return [n for n, step in enumerate(self.steps) if step.output]
 
     @property
@@ -248,7 +254,6 @@ class LaneProgram:
 
     @property
     def length(self) -> int:
-        """The number of steps."""
         return len(self.steps)
 
     @property
@@ -262,7 +267,6 @@ class LaneProgram:
 
     @property
     def scheduled(self) -> list[Step]:
-        """The steps of the groups."""
         return self.shared.schedule(self.pipeline)
 
     def execute(self, samples: Codes) -> Codes:

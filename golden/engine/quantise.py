@@ -229,12 +229,7 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
 def _on_grid(layer: IntegerLayer, grid: Grid) -> IntegerLayer:
     """A layer whose codes are those of a quantiser, less the lowest of them."""
     return replace(
-        layer,
-        shift=DROPPED + grid.cut,
-        rounding=grid.rounding,
-        low=0,
-        high=grid.high,
-        cut=grid.cut,
+        layer, shift=DROPPED + grid.cut, rounding=grid.rounding, low=0, high=grid.high, cut=grid.cut
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from golden.engine.graph import Graph, Kind, Term
 from golden.engine.pipeline import Pipeline
@@ -41,20 +42,34 @@ class Plan:
     end: int
 
 
-def one_by_one(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-    """A neuron's terms in the order in which their operands become ready, one in each clock."""
-    terms = sorted(graph.neurons[number].terms, key=lambda term: ready[term.source])
+def one_by_one(
+    graph: Graph,
+    number: int,
+    ready: Ready,
+    now: int,
+    later: int = 0,
+    early: Ready = MappingProxyType({}),
+) -> Plan:
+    """A neuron's terms in the order in which their operands become ready, one in each clock.
+
+    later: How many clocks after the first word of a product the second one is read.
+    early: The step from which on words can be read that are on their way when the sums begin.
+    """
+
+    def at(term: Term) -> int:
+        source, second = (max(ready[value], early.get(value, 0)) for value in term.values)
+        return max(source, second - later)
+
+    terms = sorted(graph.neurons[number].terms, key=at)
     steps: list[Step] = []
     for place, term in enumerate(terms):
-        steps += [WAIT] * (ready[term.source] - now - len(steps))
+        steps += [WAIT] * (at(term) - now - len(steps))
         steps.append(Step(number, term, place == 0, place == len(terms) - 1))
     return Plan(tuple(steps), len(steps) - len(terms), now + len(steps))
 
 
 def schedule(
-    graph: Graph,
-    pipeline: Pipeline,
-    plan: Callable[[Graph, int, Ready, int], Plan] = one_by_one,
+    graph: Graph, pipeline: Pipeline, plan: Callable[[Graph, int, Ready, int], Plan] = one_by_one
 ) -> list[Step]:
     """Order all steps, neuron by neuron; a greedy choice keeps the waits short.
 

@@ -45,7 +45,6 @@ class LineTable:
 
     @property
     def segments(self) -> int:
-        """The number of segments in each block."""
         return len(self.slopes) // self.blocks
 
     def within(self, reach: int) -> LineTable:

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCKED, Port
-from golden.instruments.scanned import Scanned
+from golden.instruments.instrument import Scanned
 from golden.numbers.fixed import Codes
 from golden.sensing.converter_reader import ConverterReader
 
@@ -61,6 +62,10 @@ class ConverterInstrument(Scanned):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.converter_reader, self.readout)
+
+    def flow(self) -> Flow:
+        given = Wire("codes of the converter", self.converter_reader.part.bits)
+        return Flow((given, self.converter_reader, None, self.readout))
 
     def compute(self, frames: Codes) -> Codes:
         reader = self.converter_reader

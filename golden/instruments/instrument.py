@@ -1,11 +1,75 @@
 """Instrument: everything from a converter and an analogue multiplexer to the results."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCKED, Port
-from golden.instruments.scanned import Scanned
+from golden.input_error import InputError
+from golden.instruments.readout import Readout
+from golden.layers.argmax import Argmax
+from golden.networks.network import Around, Network
+from golden.numbers.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
+
+
+@dataclass(frozen=True)
+class Scanned(Around):
+    """A network whose frames are scans; it computes what the network inside computes."""
+
+    area = "instruments"
+    readout: Readout = field(kw_only=True)
+
+    def check_frames(self, inputs: int, slots: int) -> None:
+        """Refuse scans whose frames are not those of the network.
+
+        inputs, slots: Number of sensors, and of elements of a frame.
+        """
+        got, expected = (inputs, slots), (self.inputs, self.readout.input_controller.inputs)
+        if got != expected:
+            raise InputError(
+                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
+            )
+
+    def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
+        """Refuse scans that follow each other faster than the network accepts frames.
+
+        width: Bits of the scan's counter.
+        scan_clocks, left: Clocks from scan to scan, and from the last sample of one scan to the
+            first of the next.
+        """
+        if scan_clocks < self.readout.interval:
+            raise InputError(
+                f"{self.entity}: got counter_width={width}, a scan of {scan_clocks} clocks, "
+                f"expected {self.readout.interval} or more, which the network needs"
+            )
+        if left < self.readout.busy:
+            raise InputError(
+                f"{self.entity}: got counter_width={width}, a scan that leaves {left} "
+                f"clocks between two frames, expected {self.readout.busy} or more, in which the "
+                "network computes"
+            )
+
+    @property
+    def inside(self) -> Network:
+        return self.readout
+
+    @property
+    def shown_ports(self) -> tuple[Port, ...]:
+        """The ports that show results; frames of the wrong length cannot occur."""
+        network = self.readout.network
+        inner = (*network.load_ports, *network.lesson_ports)
+        hidden = {"frame_error", *(port.name for port in inner)}
+        results = [port for port in self.readout.ports if port.direction == "out"]
+        return tuple(port for port in results if port.name not in hidden)
+
+    @property
+    def image(self) -> bytes:
+        return self.readout.image
+
+    @property
+    def argmax(self) -> Argmax | None:
+        return self.readout.argmax
 
 
 @dataclass(frozen=True)
@@ -56,6 +120,10 @@ class Instrument(Scanned):
     @property
     def scanner(self) -> ScanSequencer:
         return self.scan_sequencer
+
+    def flow(self) -> Flow:
+        given = Wire("codes of the converter", SIGNAL)
+        return Flow((given, self.scan_sequencer, None, self.readout))
 
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)

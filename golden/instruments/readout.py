@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Step, Wire
 from golden.common.port import Port, group, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
@@ -52,10 +53,6 @@ class Readout(Around):
         if count and not self.holds:
             raise InputError(f"{self.entity}: got holds=False with a load_profile, expected True")
         _ = self.argmax
-
-    @property
-    def inside(self) -> Network:
-        return self.network
 
     @property
     def argmax(self) -> Argmax | None:
@@ -107,6 +104,14 @@ class Readout(Around):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *(part for part in (self.argmax, self.load_profile) if part))
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Wire("samples", SIGNAL), self.network, Wire("outputs", SIGNAL)]
+        if self.load_profile:
+            steps += [self.load_profile, Wire("profile", SIGNAL)]
+        elif self.argmax:
+            steps += [self.argmax, Wire("margin", self.argmax.margin_fmt.width)]
+        return Flow(tuple(steps))
 
     def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
         """Positions and profiles for frames of outputs; see ``LoadProfile.process``.

@@ -109,7 +109,6 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def learns(self) -> bool:
-        """Whether the engine inside learns."""
         return bool(self.readout.network.lesson_ports)
 
     @property

@@ -31,8 +31,7 @@ class Argmax(Block):
     outputs: int
 
     def __post_init__(self) -> None:
-        if self.outputs < 2:
-            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 2 or more")
+        self.check(outputs=(2, None))
 
     @property
     def index_fmt(self) -> Unsigned:
@@ -155,7 +154,6 @@ class ArgmaxTree(Block):
 
     @property
     def levels(self) -> int:
-        """The number of levels of pairs."""
         return (self.outputs - 1).bit_length()
 
     @property

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.kept_graph import graph_of
-from golden.layers.sharing import Matrix
+from golden.layers.sharing import Matrix, graph_of
 from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import FACTOR_LIMIT
@@ -87,18 +86,9 @@ class ConstantMatrix(Block):
                 f"{[len(row) for row in self.weights]} weights, expected rows of one length and a "
                 "bias for each"
             )
-        for name, value, least in (
-            ("out_shift", self.out_shift, 0),
-            ("guard", self.guard, 0),
-            ("adders_per_clock", self.adders_per_clock, 1),
-            ("search_runs", self.search_runs, 0),
-        ):
-            if value < least:
-                raise InputError(f"{self.entity}: got {name}={value}, expected {least} or more")
-        if self.adder_operands not in (2, 3):
-            raise InputError(
-                f"{self.entity}: got adder_operands={self.adder_operands}, expected 2 or 3"
-            )
+        from_0 = (0, None)
+        self.check(out_shift=from_0, guard=from_0, adders_per_clock=(1, None), search_runs=from_0)
+        self.check(adder_operands=(2, 3))
         for name, count, expected in (
             ("finishes", len(self.finishes), len(self.weights)),
             ("in_ends", len(self.in_ends), self.inputs),
@@ -127,7 +117,6 @@ class ConstantMatrix(Block):
 
     @property
     def inputs(self) -> int:
-        """Number of samples of a frame."""
         return len(self.weights[0])
 
     @property
@@ -153,7 +142,6 @@ class ConstantMatrix(Block):
 
     @cached_property
     def graph(self) -> ShiftAdd:
-        """The graph of adders."""
         return graph_of(
             self.wanted,
             self.adders_per_clock,
@@ -233,7 +221,6 @@ class ConstantMatrix(Block):
 
     @property
     def result_widths(self) -> tuple[int, ...]:
-        """Bits of each result before it saturates."""
         return tuple(signed_width(ends) for ends in self.result_bounds)
 
     @property

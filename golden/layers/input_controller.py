@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from golden.common.block import Block
 from golden.common.border import Border, State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
 # The ports of the stream that is judged, and the port that reports a wrong frame.
@@ -115,11 +114,7 @@ class InputController(Block):
     spacing: int
 
     def __post_init__(self) -> None:
-        if self.inputs < 1 or self.spacing < 0:
-            raise InputError(
-                f"{self.entity}: got inputs={self.inputs}, spacing={self.spacing}, "
-                "expected inputs of 1 or more and spacing of 0 or more"
-            )
+        self.check(inputs=(1, None), spacing=(0, None))
 
     @property
     def entity(self) -> str:
@@ -128,7 +123,6 @@ class InputController(Block):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the weight address."""
         return max(1, (self.inputs - 1).bit_length())
 
     @property

@@ -98,17 +98,14 @@ class InputIntegral(WeightedSum):
 
     @property
     def inputs(self) -> int:
-        """Samples of one frame."""
         return len(self.weights[0])
 
     @property
     def hidden(self) -> int:
-        """Number of hidden nodes."""
         return len(self.weights)
 
     @property
     def addr_width(self) -> int:
-        """Bits of a sample's position in its frame."""
         return max(1, (self.inputs - 1).bit_length())
 
     @property
@@ -120,7 +117,6 @@ class InputIntegral(WeightedSum):
 
     @property
     def node(self) -> InputNode:
-        """The block of each node."""
         return InputNode(
             self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift, self.acc_width
         )

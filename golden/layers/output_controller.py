@@ -6,7 +6,6 @@ import numpy as np
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
 
@@ -26,8 +25,7 @@ class OutputController(Block):
     outputs: int
 
     def __post_init__(self) -> None:
-        if self.outputs < 1:
-            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+        self.check(outputs=(1, None))
 
     @property
     def entity(self) -> str:
@@ -39,7 +37,6 @@ class OutputController(Block):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the row address."""
         return max(1, (self.outputs - 1).bit_length())
 
     @property

@@ -45,7 +45,6 @@ class OutputIntegral(WeightedSum):
 
     @property
     def addr_width(self) -> int:
-        """Bits of a row's number."""
         return max(1, (self.outputs - 1).bit_length())
 
     @property
@@ -81,12 +80,10 @@ class OutputIntegral(WeightedSum):
 
     @property
     def outputs(self) -> int:
-        """Number of results of one frame."""
         return len(self.weights)
 
     @property
     def hidden(self) -> int:
-        """Number of activations of one frame."""
         return len(self.weights[0])
 
     def sum_range(self, row: int) -> tuple[int, int]:

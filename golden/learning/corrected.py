@@ -44,7 +44,6 @@ from functools import cached_property
 
 import numpy as np
 
-from golden.engine.fields import word_of
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -53,6 +52,7 @@ from golden.engine.formats import (
     SAMPLE,
     SAMPLE_SHIFT,
     coeff_frac,
+    word_of,
 )
 from golden.engine.function_table import table_sums
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork

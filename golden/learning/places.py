@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from golden.engine.fields import SOURCE
+from golden.engine.formats import SOURCE
 from golden.input_error import InputError
 
 
@@ -69,9 +69,7 @@ class Places:
         """Bits of an address."""
         incoming = (1 << self.sample_width) + (1 << self.target_width)
         quarter = max(
-            bits_for(self.scratch + incoming),
-            bits_for(self.unknowns) + 1,
-            self.placement_width,
+            bits_for(self.scratch + incoming), bits_for(self.unknowns) + 1, self.placement_width
         )
         return max(self.least, quarter + 2)
 

@@ -1,44 +1,48 @@
 """The program of an engine that learns: frames, placements that are kept, and equations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import count
 from typing import ClassVar
 
 import numpy as np
 
-from golden.engine.fields import (
+from golden.engine.formats import (
+    DROPPED,
     END,
     FIRST,
     FIRST_OF_OUTPUT,
     INTERCEPT,
     KIND,
     OUTPUT,
+    OUTPUT_SHIFT,
+    SAMPLE_SHIFT,
     SLOPE,
     SOURCE,
     STORE,
     TAKE_INTERCEPT,
     WEIGHT,
+    WIDTH,
     get,
     put,
     signed_code,
     word_of,
 )
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import joined
 from golden.engine.graph import Graph, Kind, start_of
 from golden.engine.pipeline import Pipeline
-from golden.engine.schedule import Step
+from golden.engine.schedule import Plan, Step, one_by_one, schedule
 from golden.engine.tanh_table import LineTable
-from golden.learning import steps
 from golden.learning.corrected import SHORT, Corrected
 from golden.learning.places import Places
 from golden.learning.segments import (
-    Planner,
     Slot,
+    Sum,
+    corrected,
     going_to,
     graph_of_sums,
+    lms,
     moved,
     slots,
     waiting,
@@ -134,7 +138,6 @@ class LessonProgram:
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """The steps of each part."""
         return tuple(len(self._marks(part)) for part in self.parts)
 
     @cached_property
@@ -215,7 +218,6 @@ class LessonProgram:
 
     @cached_property
     def steps(self) -> list[list[Decoded]]:
-        """The steps of each part, gathered from the words that hold their fields."""
         return [list(self._decoded(part)) for part in self.parts]
 
     def _decoded(self, part: int) -> Iterator[Decoded]:
@@ -266,7 +268,7 @@ def lesson_program(
     least_addr_width: The least bits of an address of the operand memory.
     """
     parts = _Parts(taught, graph)
-    program = steps.lms(taught, constants)
+    program = lms(taught, constants)
     counts = [len(sums) - 2 * taught.sensors for sums in program]
     places = Places(
         taught.sensors,
@@ -300,7 +302,7 @@ class _Parts:
             *(Slot(Kind.ONE, 0, 0, first=True, store=True, note=note) for note in zeros),
         ]
         # The first results behind theta go to address 0.
-        before = graph_of_sums(list(steps.corrected(self.taught)), names)
+        before = graph_of_sums(list(corrected(self.taught)), names)
         made = before.inputs + len(before.neurons)
         to = {-1: -1} | {k: before.inputs + 3 * k + 2 for k in range(sensors)}
         to |= {sensors + n: made + n for n in range(len(self.graph.neurons))}
@@ -308,7 +310,7 @@ class _Parts:
         early = {
             sensors + k: 1 + k + self.pipeline.result_ready - len(found) for k in range(unknowns)
         }
-        done = Planner(self.pipeline, early).steps(graph)
+        done = schedule(graph, self.pipeline, self._plan(early))
         addresses = self._external(places, names) | _results(graph, done)
         return [*found, *slots(graph, done, names, addresses, leave=True)]
 
@@ -326,7 +328,7 @@ class _Parts:
             found.append(replace(known, store=True, note=f"placement: known {k}, done"))
         return found
 
-    def equation(self, places: Places, sums: Sequence[steps.Sum]) -> list[Slot]:
+    def equation(self, places: Places, sums: Sequence[Sum]) -> list[Slot]:
         """The equation of an output, and the theta that follows from it."""
         unknowns = places.unknowns
         names = [
@@ -335,23 +337,27 @@ class _Parts:
             *(f"theta {k}" for k in range(unknowns)),
         ]
         graph = graph_of_sums(sums[:-unknowns], names)
-        planner = Planner(self.pipeline, {})
-        done = planner.steps(graph)
+        done = schedule(graph, self.pipeline, self._plan({}))
         addresses = self._external(places, names, kept=True) | _results(graph, done)
         body = [going_to(0), *slots(graph, done, names, addresses)]
         # The new theta, whose addresses are in their order.
         known = [*names, *(one.name for one in sums[:-unknowns])]
-        ready = planner.ready(graph, done)
-        early = {value: step - len(done) for value, step in ready.items()}
+        early = {
+            graph.inputs + step.neuron: n + self.pipeline.result_ready - len(done)
+            for n, step in enumerate(done)
+            if step.last
+        }
         after = graph_of_sums(sums[-unknowns:], known)
         order: list[Step] = []
         for n in range(unknowns):
-            plan = Planner(self.pipeline, early).plan(
-                after, n, dict.fromkeys(range(-1, after.inputs), 0), len(order)
-            )
-            order += plan.steps
+            ready = dict.fromkeys(range(-1, after.inputs), 0)
+            order += self._plan(early)(after, n, ready, len(order)).steps
         last = slots(after, order, known, addresses)
         return self._placed(body, list(last), places)
+
+    def _plan(self, early: Mapping[int, int]) -> Callable[..., Plan]:
+        """Puts terms in order. A second word is read once its address came as a weight would."""
+        return partial(one_by_one, later=self.pipeline.weight - 1, early=early)
 
     def _placed(self, before: list[Slot], after: list[Slot], places: Places) -> list[Slot]:
         """Two lists of steps, and a step that sends the results of the second to theta.

@@ -1,15 +1,143 @@
-"""The parts of a program that learns: sums, in an order in which their words are there in time."""
+"""LMS as steps of an engine, bit for bit that of ``golden.learning.gradient``, and their order.
+
+A *sum* is what it is in an engine: products, one in each step, then half a unit, rounding and
+saturation, and a word that is stored. An engine that does not learn lacks:
+
+=========  =======================================================================================
+what       how
+=========  =======================================================================================
+product    the coefficient is a second word without its three lowest bits, with the sign kept
+places     a word is stored where the step says, not at the next address
+exchange   theta stands twice; an equation reads the one copy and writes the other, and they are
+           exchanged unless a new word saturated: the step is not taken then, and flagged
+=========  =======================================================================================
+
+Samples and known outputs lie where the sequencer of placements points. The steps of all equations,
+one after the other, are one pass over one placement.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from golden.engine.formats import DROPPED, RESULT
-from golden.engine.graph import Graph, Kind, Neuron, Term, start_of
-from golden.engine.pipeline import Pipeline
-from golden.engine.schedule import WAIT, Plan, Ready, Step, schedule
-from golden.learning import steps
+from golden.engine.formats import DROPPED, RESULT, WIDTH
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term, start_of
+from golden.engine.schedule import Step
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import row_weights
+from golden.numbers.fixed import Fix
 
+_WORD = Fix(WIDTH, 0)
 _TABLE = {Kind.INTERCEPT: "intercept of the table", Kind.DISTANCE: "slope of the table"}
+
+
+@dataclass(frozen=True)
+class NamedTerm:
+    """A term of an engine, with the names of words in the place of their numbers; empty for none.
+
+    With a ``second`` word it is a product of two words, which is not in an engine that does not
+    learn.
+    """
+
+    kind: Kind
+    source: str
+    weight: int = 0
+    second: str = ""
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A sum of products.
+
+    name: The name of its word.
+    output: Whether it begins with half a unit of an output, and not of a word.
+    """
+
+    name: str
+    terms: tuple[NamedTerm, ...]
+    output: bool = False
+
+
+def one(weight: int) -> Iterator[NamedTerm]:
+    """The number one times a weight, in as many steps as the weight needs."""
+    while weight:
+        part = max(_WORD.low, min(_WORD.high, weight))
+        yield NamedTerm(Kind.ONE, "", part)
+        weight -= part
+
+
+def by(source: str, weight: int) -> NamedTerm:
+    """A word times a weight."""
+    return NamedTerm(Kind.WORD, source, weight)
+
+
+def times(source: str, second: str) -> NamedTerm:
+    """A word times a second word."""
+    return NamedTerm(Kind.WORD, source, second=second)
+
+
+def whole(source: str, sign: int = 1) -> NamedTerm:
+    """A word itself, as a term of a sum in its own format."""
+    return by(source, sign << DROPPED)
+
+
+def lms(taught: Corrected, constants: Sequence[Sequence[int]]) -> list[list[Sum]]:
+    """The sums of the equation of each output.
+
+    constants: The step and the leak of each output; see ``golden.learning.gradient``.
+    """
+    return [
+        [
+            *corrected(taught),
+            *_network(taught, k),
+            *_row(taught, k),
+            Sum("step", (by("error", step),)),
+            *_new_theta(taught, leak),
+        ]
+        for k, (step, leak) in enumerate(constants)
+    ]
+
+
+def corrected(taught: Corrected) -> Iterator[Sum]:
+    """The sums of the corrected samples."""
+    pairs = zip(taught.gains.tolist(), taught.offsets.tolist(), strict=True)
+    for k, (gain, offset) in enumerate(pairs):
+        yield Sum(f"gain {k}", (by(f"theta {k}", gain),))
+        yield Sum(f"offset {k}", (by(f"theta {taught.sensors + k}", offset),))
+        terms = whole(f"sample {k}"), times(f"gain {k}", f"sample {k}"), whole(f"offset {k}")
+        yield Sum(f"z {k}", terms)
+
+
+def _network(taught: Corrected, output: int) -> Iterator[Sum]:
+    hidden, last = taught.networks[output].layers
+    seen = [f"z {k}" for k in range(taught.sensors)] + [f"known {k}" for k in range(output)]
+    for j, (row, begun) in enumerate(zip(hidden.weights, hidden.starts, strict=True)):
+        terms = [by(name, weight) for name, weight in zip(seen, row, strict=True)]
+        yield Sum(f"q {j}", (*one(begun >> DROPPED), *terms))
+        yield Sum(f"h {j}", tuple(NamedTerm(kind, f"q {j}") for kind in LOOKED_UP))
+    # An engine begins the sum of an output with what the start holds to round it.
+    begun = (last.starts[0] - start_of(True)) >> DROPPED
+    terms = [by(f"h {j}", weight) for j, weight in enumerate(last.weights[0])]
+    yield Sum("y", (*one(begun), *terms), output=True)
+    yield Sum("error", (whole(f"known {output}"), whole("y", -1)))
+
+
+def _row(taught: Corrected, output: int) -> Iterator[Sum]:
+    of_one, of_square = taught.slope_weights[output]
+    gains, offsets = row_weights(taught)
+    for j in range(len(of_square)):
+        yield Sum(f"square {j}", (times(f"h {j}", f"h {j}"),))
+    for k in range(taught.sensors):
+        terms = [by(f"square {j}", -int(weight)) for j, weight in enumerate(of_square[:, k])]
+        yield Sum(f"slope {k}", (*one(int(of_one[k])), *terms))
+        yield Sum(f"by gain {k}", (times(f"slope {k}", f"sample {k}"),))
+        yield Sum(f"row {k}", (by(f"by gain {k}", int(gains[k])),))
+        yield Sum(f"row {taught.sensors + k}", (by(f"slope {k}", int(offsets[k])),))
+
+
+def _new_theta(taught: Corrected, leak: int) -> Iterator[Sum]:
+    for k in range(2 * taught.sensors):
+        kept = by(f"theta {k}", (1 << DROPPED) - leak)
+        yield Sum(f"new theta {k}", (kept, times("step", f"row {k}")))
 
 
 @dataclass(frozen=True)
@@ -45,31 +173,20 @@ def going_to(address: int) -> Slot:
     return Slot(Kind.ONE, 0, address, places=True, note=f"results go to {address}")
 
 
-def graph_of_sums(sums: Sequence[steps.Sum], external: Sequence[str]) -> Graph:
+def graph_of_sums(sums: Sequence[Sum], external: Sequence[str]) -> Graph:
     """Sums as neurons of an engine.
 
     external: The names of the words that are in the memory before.
     """
-    number = {name: n for n, name in enumerate([*external, *(one.name for one in sums)])}
-    return Graph(len(external), tuple(_neuron(one, number) for one in sums))
-
-
-def _neuron(one: steps.Sum, number: Mapping[str, int]) -> Neuron:
-    terms: list[Term] = []
-    ones = 0
-    for term in one.terms:
-        source = number.get(term.source, -1)
-        if term.kind is steps.Kind.LOOK_UP:
-            kind = Kind.DISTANCE if terms else Kind.INTERCEPT
-            terms.append(Term(kind, source, 0))
-        elif term.kind is steps.Kind.ONE:
-            ones += term.weight
-        else:
-            terms.append(Term(Kind.WORD, source, term.weight, second=number.get(term.second, -1)))
-    # What an engine's sum of an output begins with is taken out of its bias.
-    ones -= 0 if one.rounded else start_of(True) >> DROPPED
-    biases = [Term(Kind.ONE, -1, term.weight) for term in steps.one(ones)]
-    return Neuron(one.name, RESULT, tuple(biases + terms), output=not one.rounded)
+    names = [*external, *(one.name for one in sums)]
+    number = {"": -1} | {name: n for n, name in enumerate(names)}
+    neurons = []
+    for one in sums:
+        terms = (
+            Term(t.kind, number[t.source], t.weight, second=number[t.second]) for t in one.terms
+        )
+        neurons.append(Neuron(one.name, RESULT, tuple(terms), output=one.output))
+    return Graph(len(external), tuple(neurons))
 
 
 def moved(graph: Graph, to: Mapping[int, int]) -> Iterator[Neuron]:
@@ -77,46 +194,6 @@ def moved(graph: Graph, to: Mapping[int, int]) -> Iterator[Neuron]:
     for neuron in graph.neurons:
         terms = (replace(term, source=to[term.source]) for term in neuron.terms)
         yield replace(neuron, terms=tuple(terms))
-
-
-@dataclass(frozen=True)
-class Planner:
-    """Puts steps in order, for products of two words too.
-
-    early: The step from which on words can be read that are on their way when the sums begin.
-    """
-
-    pipeline: Pipeline
-    early: Mapping[int, int]
-
-    def steps(self, graph: Graph) -> list[Step]:
-        """The steps of a graph."""
-        return schedule(graph, self.pipeline, self.plan)
-
-    def plan(self, graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-        """A neuron's terms in the order in which their operands become ready."""
-        # The second word of a product is read when its address has come as a weight would.
-        later = self.pipeline.weight - 1
-
-        def at(term: Term) -> int:
-            words = (max(ready[v], self.early.get(v, 0)) for v in term.values)
-            source, second = words
-            return max(source, second - later)
-
-        terms = sorted(graph.neurons[number].terms, key=at)
-        found: list[Step] = []
-        for place, term in enumerate(terms):
-            found += [WAIT] * (at(term) - now - len(found))
-            found.append(Step(number, term, place == 0, place == len(terms) - 1))
-        return Plan(tuple(found), len(found) - len(terms), now + len(found))
-
-    def ready(self, graph: Graph, done: Sequence[Step]) -> dict[int, int]:
-        """The step from which on each value can be read."""
-        found = dict.fromkeys(range(-1, graph.inputs), 0)
-        for n, step in enumerate(done):
-            if step.last:
-                found[graph.inputs + step.neuron] = n + self.pipeline.result_ready
-        return found
 
 
 def slots(

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from golden.numbers.fixed import Codes
 
@@ -55,11 +54,7 @@ class ImageReceiver(Block):
     depth: int
 
     def __post_init__(self) -> None:
-        if self.idle_clocks < 1 or self.depth < 1:
-            raise InputError(
-                f"{self.entity}: got idle_clocks={self.idle_clocks} and depth={self.depth}, "
-                "expected 1 or more of each"
-            )
+        self.check(idle_clocks=(1, None), depth=(1, None))
 
     ports = (
         *CLOCKED,

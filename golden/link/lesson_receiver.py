@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.link.packets import CHECK_BYTES, CODE_BYTES, LESSON, SYNC, check_of, kind_byte
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -64,13 +63,7 @@ class LessonReceiver(Block):
     idle_clocks: int
 
     def __post_init__(self) -> None:
-        for name, got in (("outputs", self.outputs), ("elements", self.elements)):
-            if not 1 <= got <= MOST_CODES:
-                raise InputError(f"{self.entity}: got {name}={got}, expected 1 to {MOST_CODES}")
-        if self.idle_clocks < 1:
-            raise InputError(
-                f"{self.entity}: got idle_clocks={self.idle_clocks}, expected 1 or more"
-            )
+        self.check(outputs=(1, MOST_CODES), elements=(1, MOST_CODES), idle_clocks=(1, None))
 
     @property
     def codes(self) -> int:

@@ -70,23 +70,14 @@ class PacketSender(Block):
     elements: int = 0
 
     def __post_init__(self) -> None:
-        for name, least, most in (
-            ("inputs", 1, MOST_POINTS),
-            ("outputs", 1, MOST_POINTS),
-            ("points", 0, MOST_POINTS),
-            ("patience", 2, MOST_PATIENCE),
-            ("elements", 0, MOST_POINTS),
-        ):
-            got = getattr(self, name)
-            if not least <= got <= most:
-                raise InputError(f"{self.entity}: got {name}={got}, expected {least} to {most}")
+        self.check(inputs=(1, MOST_POINTS), outputs=(1, MOST_POINTS), points=(0, MOST_POINTS))
+        self.check(patience=(2, MOST_PATIENCE), elements=(0, MOST_POINTS))
         if self.reload and self.learns:
             raise InputError(f"{self.entity}: got reload and learns, expected one of them")
         _ = self.layout, self.argmax
 
     @property
     def learns(self) -> bool:
-        """Whether the network learns."""
         return bool(self.elements)
 
     @property

@@ -156,14 +156,7 @@ class FrameLayout:
             x, y = _codes(payload[end + 1 :])
             point = (payload[end], x, y)
         return Frame(
-            number,
-            flags,
-            count,
-            codes[: self.inputs],
-            codes[self.inputs :],
-            point,
-            winner,
-            theta,
+            number, flags, count, codes[: self.inputs], codes[self.inputs :], point, winner, theta
         )
 
 

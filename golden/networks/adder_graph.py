@@ -11,6 +11,7 @@ from golden.activation.bipartite import MEMORY, Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.common.block import Block
+from golden.common.flow import Flow, Replicated, Step, Wire
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.input_error import InputError
@@ -89,14 +90,8 @@ class AdderGraph(AtOnce):
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         options: dict[str, Any] = {**OPTIONS, **settings.options}
-        chosen = MatrixOptions(
-            options["adders_per_clock"],
-            options["adder_operands"],
-            str(settings.activation_options.get("memory", MEMORY)),
-            f"{variant}_" if variant else "",
-            options["word_width"],
-            options["search_runs"],
-        )
+        options |= {"memory": MEMORY, **settings.activation_options}
+        chosen = MatrixOptions(**options, prefix=f"{variant}_" if variant else "")
         if len(networks) > 1 or isinstance(networks[0], Mlp):
             if chosen.word_width:
                 raise InputError(
@@ -105,15 +100,7 @@ class AdderGraph(AtOnce):
                 )
             return cls._of_tanh(networks, settings, chosen, variant)
         (network,) = integer_networks("single", networks, settings.met)
-        found = compile_matrices(network, chosen)
-        return cls(
-            found.layers,
-            found.activations,
-            useless_nodes=found.useless_nodes,
-            constant_nodes=found.constant_nodes,
-            ranges=found.ranges,
-            variant=variant,
-        )
+        return cls(**vars(compile_matrices(network, chosen)), variant=variant)
 
     @classmethod
     def _of_tanh(
@@ -122,40 +109,35 @@ class AdderGraph(AtOnce):
         """The design of networks of one hidden layer of tanh."""
         constants = beside([constants_of(mlp, settings) for mlp in cls.plain(networks)])
         first, second = constants.first, constants.second
+
+        def matrix(
+            name: str, layer: Layer, in_fmt: Fix, out_fmt: Fix, biases: tuple[int, ...]
+        ) -> ConstantMatrix:
+            return ConstantMatrix(
+                in_fmt,
+                out_fmt,
+                layer.weights,
+                biases,
+                in_fmt.frac + layer.fmt.frac - out_fmt.frac,
+                GUARD[name == "outputs"],
+                chosen.adders_per_clock,
+                adder_operands=chosen.adder_operands,
+                search_runs=chosen.search_runs,
+                variant=f"{chosen.prefix}{name}",
+            )
+
         frac = EXACT.hidden_fmt.frac
-        shift = SIGNAL.frac + first.fmt.frac - frac
         biases = tuple(bias << SIGNAL.frac for bias in first.biases)
-        hidden = ConstantMatrix(
-            SIGNAL,
-            Fix(_width(first.weights, biases, shift), frac),
-            first.weights,
-            biases,
-            shift,
-            GUARD[0],
-            chosen.adders_per_clock,
-            adder_operands=chosen.adder_operands,
-            search_runs=chosen.search_runs,
-            variant=f"{chosen.prefix}hidden",
-        )
+        width = _width(first.weights, biases, SIGNAL.frac + first.fmt.frac - frac)
+        hidden = matrix("hidden", first, SIGNAL, Fix(width, frac), biases)
         # The bias makes up for half a step of each r, and rounds the output with half a step of its
         # own.
-        shift = RESULT.frac + second.fmt.frac - SIGNAL.frac
+        half = (1 << RESULT.frac + second.fmt.frac - SIGNAL.frac) >> 1
         biases = tuple(
-            (bias << RESULT.frac) + (sum(row) >> 1) + ((1 << shift) >> 1)
+            (bias << RESULT.frac) + (sum(row) >> 1) + half
             for row, bias in zip(second.weights, second.biases, strict=True)
         )
-        outputs = ConstantMatrix(
-            RESULT,
-            SIGNAL,
-            second.weights,
-            biases,
-            shift,
-            GUARD[1],
-            chosen.adders_per_clock,
-            adder_operands=chosen.adder_operands,
-            search_runs=chosen.search_runs,
-            variant=f"{chosen.prefix}outputs",
-        )
+        outputs = matrix("outputs", second, RESULT, SIGNAL, biases)
         activations = tabled(list(map(_halved, constants.activations)), hidden.result_widths)
         return cls(
             (hidden, outputs),
@@ -199,6 +181,22 @@ class AdderGraph(AtOnce):
             if n < len(self.activations):
                 found += self.tables(n)
         return (*found, *([self.argmax] if self.argmax else []))
+
+    def left_out(self) -> list[str]:
+        texts = self.left_out_of([table for tables in self.activations for table in tables])
+        if self.constant_nodes:
+            texts.append(f"{self.constant_nodes} hidden nodes that never change, now in biases")
+        return [*texts, "every multiplier: a weight is a few shifted adds, shared with others"]
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Wire(f"{self.inputs} x", SIGNAL)]
+        for n, (matrix, activations) in enumerate(zip(self.layers, self.activations, strict=False)):
+            steps += [matrix, Wire(f"{len(matrix.weights)} q", matrix.out_fmt)]
+            if activations:
+                steps += [Replicated(self.tables(n)), Wire(f"{len(activations)} r", RESULT)]
+        outputs = self.layers[-1]
+        steps += [outputs, Wire(f"{self.outputs} y", outputs.out_fmt)]
+        return Flow(tuple(steps), across=True)
 
     def compute(self, frames: Codes) -> Codes:
         return self.layers[-1].process(self._taken(frames)[-1])

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
@@ -44,10 +45,6 @@ class AxisNetwork(Around):
 
     def __post_init__(self) -> None:
         _ = self.argmax
-
-    @property
-    def inside(self) -> Network:
-        return self.network
 
     @property
     def argmax(self) -> Argmax | None:
@@ -134,6 +131,13 @@ class AxisNetwork(Around):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.argmax] if self.argmax else []))
+
+    def left_out(self) -> list[str]:
+        counter = f"{self.entity}: the counter that keeps frames apart"
+        return super().left_out() + [counter] * (not self.spacing)
+
+    def flow(self) -> Flow:
+        return Flow((Wire("s_axis", TDATA), self.network, Wire("m_axis", TDATA)))
 
     def winners(self, outputs: ArrayLike) -> Codes:
         """``m_axis_tuser`` at the last output of each frame.

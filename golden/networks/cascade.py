@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Step, Wire, WithController
 from golden.common.port import Port
 from golden.layers.input_controller import InputController
 from golden.networks.multiple import OutputCollector, Several
@@ -54,6 +55,10 @@ class Cascade(Several):
             return None
         return OutputCollector(SIGNAL, self.networks[-1].inputs, variant="frame")
 
+    def left_out(self) -> list[str]:
+        stored = f"{self.entity}: the memory that holds a frame until it is judged"
+        return super().left_out() + [stored] * (not self.frame_store)
+
     @property
     def multiplexers(self) -> tuple[StreamMultiplexer, ...]:
         """The multiplexers, one between each network and the next."""
@@ -90,6 +95,17 @@ class Cascade(Several):
             *self.multiplexers,
             self.output_collector,
         )
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Wire(f"frames of {self.input_controller.inputs} elements", SIGNAL)]
+        if self.frame_store:
+            steps += [WithController(self.input_controller, self.frame_store)]
+            steps += [Wire("good frames", SIGNAL)]
+        for member, multiplexer in zip(self.networks, self.multiplexers, strict=False):
+            steps += [member, None, multiplexer, Wire(f"y in slot {multiplexer.slot}", SIGNAL)]
+        steps += [self.networks[-1], Wire("every y", SIGNAL)]
+        steps += [self.output_collector, Wire("outputs", SIGNAL)]
+        return Flow(tuple(steps), watcher=None if self.frame_store else self.input_controller)
 
     def compute(self, frames: Codes) -> Codes:
         seen = frames

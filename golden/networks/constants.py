@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.layers.weighted_sum import NodeSum
 from golden.networks.design import Settings
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL, Precision, normalisation
 from golden.numbers.real import Real
 from golden.trained.mlp import Mlp
@@ -57,11 +57,8 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
             f"{error}; more training.weight_decay keeps them small, and so does a data.scale "
             "nearer to the readings"
         ) from None
-    return Layer(tuple(map(_plain, codes)), _plain(bias_codes), fmt, _plain(factors))
-
-
-def _plain(codes: Codes) -> tuple[int, ...]:
-    return tuple(int(code) for code in codes)
+    rows = tuple(map(tuple, codes.tolist()))
+    return Layer(rows, tuple(bias_codes.tolist()), fmt, tuple(factors.tolist()))
 
 
 @dataclass(frozen=True)
@@ -96,11 +93,15 @@ def constants_of(mlp: Mlp, settings: Settings) -> Constants:
     first, second = first.of_neurons(used), second.of_inputs(used)
     nodes = _sums(first, precision.hidden_fmt, precision)
     outputs = _sums(second, SIGNAL, precision)
-    _refuse_wrapping(
-        precision,
-        [(f"hidden node {j}", node.acc_width) for j, node in enumerate(nodes)]
-        + [("output layer", node.acc_width) for node in outputs],
-    )
+    # The thesis' adders would wrap a sum that is too wide, and a wrapped sum is wrong.
+    named = [(f"hidden node {j}", node) for j, node in enumerate(nodes)]
+    for name, node in (*named, *(("output layer", node) for node in outputs)):
+        if precision.normalise and node.acc_width > SIGNAL.width:
+            raise InputError(
+                f"{name}: its normalised sum needs {node.acc_width} bits and would wrap in "
+                f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
+                "use the exact precision"
+            )
     scheme = SCHEMES[settings.activation].configured(settings.activation_options)
     activations = tuple(
         scheme.build(precision, q, node.reach if lean else node.out_fmt.high)
@@ -121,14 +122,3 @@ def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:
         NodeSum(SIGNAL, layer.fmt, out_fmt, precision.product_shift, weights, bias)
         for weights, bias in zip(layer.weights, layer.biases, strict=True)
     ]
-
-
-def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) -> None:
-    """Refuse sums that the thesis' adders would wrap, since a wrapped sum is wrong."""
-    for name, width in widths:
-        if precision.normalise and width > SIGNAL.width:
-            raise InputError(
-                f"{name}: its normalised sum needs {width} bits and would wrap in "
-                f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
-                "use the exact precision"
-            )

@@ -1,5 +1,6 @@
 """What all designs have in common: each turns one trained network into hardware."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -7,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from golden.activation.activation_block import ActivationBlock
 from golden.common.port import Port
 from golden.input_error import InputError
 from golden.layers.argmax import ArgmaxTree
@@ -145,12 +147,28 @@ class Design(Network):
                     f"{cls.block}: got {got} {name} of a {shape} network, expected {most} at most"
                 )
 
+    def check_latencies(self, activations: Sequence[ActivationBlock]) -> None:
+        """All activations must answer in the same clock."""
+        clocks = sorted({activation.latency for activation in activations})
+        if len(clocks) > 1:
+            raise InputError(
+                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
+            )
+
     @classmethod
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         """Make the design for ``of``, from settings that are already checked."""
         raise NotImplementedError
+
+    def left_out_of(self, activations: Sequence[ActivationBlock] = ()) -> list[str]:
+        """Texts about what all activations lack together, and about nodes that are not built."""
+        counts = sum((one.parts_left_out() for one in activations), Counter[str]())
+        texts = [f"{n} {what}" for what, n in sorted(counts.items())]
+        if self.useless_nodes:
+            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
+        return texts
 
     @classmethod
     def word_error(cls, _inputs: int, _options: Mapping[str, Any]) -> float:

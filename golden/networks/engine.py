@@ -8,11 +8,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Step, Wire
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.datapath import LaneAccumulate, LaneRound, OperandMemory
-from golden.engine.formats import DROPPED
-from golden.engine.frame_check import FrameCheck
-from golden.engine.frame_guard import FrameGuard
+from golden.engine.formats import DROPPED, WORD
+from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
 from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of, own_image
@@ -31,7 +31,7 @@ from golden.input_error import InputError
 from golden.networks.design import Design, Settings
 from golden.networks.network import CHUNK
 from golden.numbers.fixed import Codes
-from golden.numbers.precision import EXACT
+from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.dense import Trained
 from golden.trained.function import TANH
 
@@ -162,7 +162,6 @@ class Engine(Design):
 
     @property
     def lanes(self) -> int:
-        """The number of lanes, each of which has a multiplier."""
         return self.program.lanes
 
     @property
@@ -247,7 +246,6 @@ class Engine(Design):
 
     @property
     def looks_up(self) -> bool:
-        """Whether there is a table."""
         return bool(self.program.table)
 
     @property
@@ -349,6 +347,40 @@ class Engine(Design):
             return (f"largest error of {len(errors)} functions: {max(errors.values()):.2g}",)
         texts = (f"{function.name} {error:.2g}" for function, error in errors.items())
         return (f"largest errors of functions: {', '.join(texts)}",)
+
+    def left_out(self) -> list[str]:
+        # Each word that is left out saves memory, and each step saves a clock of every frame.
+        texts = self.left_out_of()
+        if self.graph.useless_terms:
+            texts.append(f"{self.graph.useless_terms} products of weight 0")
+        if self.asked > self.lanes:
+            texts.append(f"{self.asked - self.lanes} lanes that no layer has a node for")
+        bits = WHOLE_ACC_WIDTH - self.acc_width
+        if bits > 0:
+            which = "each sum" if self.lanes > 1 else "the sum"
+            texts.append(
+                f"{bits} bits of {which}, which {WHOLE_ACC_WIDTH} would hold for any scene"
+            )
+        return texts
+
+    def flow(self) -> Flow:
+        memory: list[Step] = []
+        for one in self.lane_memories[:1]:
+            memory = [one, Wire("a coefficient in each lane", WORD)]
+        words = f"a word in each of {self.lanes} lanes" if self.lanes > 1 else "a word"
+        return Flow(
+            (
+                Wire(f"{self.inputs} x", SIGNAL),
+                self.rounds[0],
+                Wire("samples, results", WORD),
+                self.operand_memory,
+                Wire(words, WORD),
+                *memory,
+                self.accumulators[0],
+                Wire(f"{self.outputs} y", SIGNAL),
+            ),
+            watcher=self.frame_guard if self.loaded else self.frame_check,
+        )
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

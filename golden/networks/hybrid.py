@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block
+from golden.common.flow import Flow, Replicated, Wire, WithController
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
@@ -44,12 +45,7 @@ class Hybrid(Design):
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
             )
-        # All activations must answer in the same clock.
-        clocks = sorted({activation.latency for activation in self.activations})
-        if len(clocks) > 1:
-            raise InputError(
-                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
-            )
+        self.check_latencies(self.activations)
 
     @classmethod
     def build(
@@ -100,12 +96,8 @@ class Hybrid(Design):
 
     @property
     def latency(self) -> int:
-        return (
-            self.input_controller.latency
-            + self.activations[0].latency
-            + self.output_controller.latency
-            + self.output_integral.latency
-        )
+        first = self.input_controller.latency + self.activations[0].latency
+        return first + self.output_controller.latency + self.output_integral.latency
 
     @property
     def input_controller(self) -> InputController:
@@ -123,6 +115,29 @@ class Hybrid(Design):
             *self.activations,
             self.output_controller,
             self.output_integral,
+        )
+
+    def left_out(self) -> list[str]:
+        texts = self.left_out_of(self.activations)
+        if self.output_integral.factors is None:
+            texts.append("the de-normalisation multiplier and its ROM")
+        if not self.input_controller.spacing:
+            texts.append("the counter that keeps frames apart: a frame has samples enough")
+        return texts
+
+    def flow(self) -> Flow:
+        hidden, first = len(self.activations), self.input_integral
+        return Flow(
+            (
+                Wire(f"{self.inputs} x", first.in_fmt),
+                WithController(self.input_controller, first),
+                Wire(f"{hidden} q", first.out_fmt),
+                Replicated(self.activations),
+                Wire(f"{hidden} r", self.activations[0].out_fmt),
+                WithController(self.output_controller, self.output_integral),
+                Wire(f"{self.outputs} y", self.output_integral.out_fmt),
+            ),
+            across=True,
         )
 
     def compute(self, frames: Codes) -> Codes:

@@ -16,8 +16,7 @@ from golden.engine.datapath import (
     TableAddress,
 )
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
-from golden.engine.frame_check import FrameCheck
-from golden.engine.frame_guard import FrameGuard
+from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
 from golden.learning.program import EQUATIONS, FRAME, LessonProgram, lesson_program
@@ -76,7 +75,6 @@ class LearningEngine(Network):
 
     @property
     def clocks_text(self) -> str:
-        """``output_clocks`` as text for the exported file."""
         return ", ".join(map(str, self.output_clocks))
 
     @property
@@ -186,7 +184,6 @@ class LearningEngine(Network):
 
     @property
     def program_addr_width(self) -> int:
-        """Bits of the program counter."""
         return (len(self.program.table) + len(self.program.words) - 1).bit_length()
 
     @property

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.common.block import Block
+from golden.common.flow import Flow, SideBySide, Wire
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.input_controller import FrameJudge
@@ -36,7 +37,6 @@ class OutputCollector(Block):
 
     @property
     def count_width(self) -> int:
-        """Bits of the number of results that have not left yet."""
         return self.outputs.bit_length()
 
     @property
@@ -85,6 +85,13 @@ class Several(Network):
     def members(self) -> tuple[Network, ...]:
         return self.networks
 
+    def left_out(self) -> list[str]:
+        places: dict[str, list[str]] = {}
+        for part in self.networks:
+            for text in part.left_out():
+                places.setdefault(text, []).append(part.entity)
+        return [f"{', '.join(names)}: {text}" for text, names in places.items()]
+
     @property
     def output_collector(self) -> OutputCollector:
         return OutputCollector(SIGNAL, self.outputs)
@@ -125,6 +132,17 @@ class Multiple(Several):
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Wire("samples", SIGNAL),
+                SideBySide(self.networks),
+                Wire("every y", SIGNAL),
+                self.output_collector,
+                Wire("outputs", SIGNAL),
+            )
+        )
 
     def compute(self, frames: Codes) -> Codes:
         return np.concatenate([network.compute(frames) for network in self.networks], axis=-1)

@@ -134,6 +134,11 @@ class Network(Block):
         """The ranges of the hidden layers in which saturation would be an error."""
         return ()
 
+    def left_out(self) -> list[str]:
+        """Texts about parts that its hardware does not have, because it does not need them."""
+        inside = (part for part in self.parts() if isinstance(part, Network))
+        return [text for part in inside for text in part.left_out()]
+
     @property
     def scanner(self) -> ScanSequencer | None:
         """The block that makes the frames, where ``stream`` is ``converter``."""
@@ -180,10 +185,12 @@ class Network(Block):
 class Around(Network):
     """A network around another one, whose outputs it gives."""
 
+    network: Network
+
     @property
     def inside(self) -> Network:
         """The network that it is around."""
-        raise NotImplementedError
+        return self.network
 
     @property
     def inputs(self) -> int:

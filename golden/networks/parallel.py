@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block
+from golden.common.flow import Flow, Replicated, Wire
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
@@ -36,8 +37,8 @@ class Neuron(NodeSum):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.factor is not None and self.factor < 1:
-            raise InputError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
+        if self.factor is not None:
+            self.check(factor=(1, None))
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -61,7 +62,6 @@ class Neuron(NodeSum):
 
     @property
     def scaled_width(self) -> int:
-        """Bits of the sum after the product with its factor."""
         return self.acc_width + ((self.factor or 1) - 1).bit_length()
 
     def scaled(self, acc: Codes) -> Codes:
@@ -96,12 +96,7 @@ class Parallel(Design):
             )
         if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
             raise InputError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
-        # All activations must answer in the same clock.
-        clocks = sorted({activation.latency for activation in self.activations})
-        if len(clocks) > 1:
-            raise InputError(
-                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
-            )
+        self.check_latencies(self.activations)
         # All outputs must leave in one clock, so either all have the multiplier of a factor or
         # none.
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
@@ -157,11 +152,8 @@ class Parallel(Design):
 
     @property
     def latency(self) -> int:
-        return (
-            self.hidden_neurons[0].latency
-            + self.activations[0].latency
-            + self.output_neurons[0].latency
-        )
+        rows = self.hidden_neurons, self.activations, self.output_neurons
+        return sum(row[0].latency for row in rows)
 
     @property
     def input_controller(self) -> InputController:
@@ -175,6 +167,33 @@ class Parallel(Design):
             *self.hidden_neurons,
             *self.activations,
             *self.output_neurons,
+        )
+
+    def left_out(self) -> list[str]:
+        texts = self.left_out_of(self.activations)
+        zeros = sum(n.weights.count(0) for n in (*self.hidden_neurons, *self.output_neurons))
+        if zeros:
+            texts.append(f"{zeros} multipliers of weights that are 0")
+        if self.output_neurons[0].factor is None:
+            texts.append("the multipliers of the de-normalisation")
+        if not self.input_controller.spacing:
+            texts.append("the counter that keeps frames apart: one may come in every clock")
+        return texts
+
+    def flow(self) -> Flow:
+        first, last = self.hidden_neurons, self.output_neurons
+        return Flow(
+            (
+                Wire(f"{self.inputs} x", first[0].in_fmt),
+                Replicated(first),
+                Wire(f"{len(first)} q", first[0].out_fmt),
+                Replicated(self.activations),
+                Wire(f"{len(first)} r", self.activations[0].out_fmt),
+                Replicated(last),
+                Wire(f"{self.outputs} y", last[0].out_fmt),
+            ),
+            across=True,
+            watcher=self.input_controller,
         )
 
     def compute(self, frames: Codes) -> Codes:

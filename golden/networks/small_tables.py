@@ -43,7 +43,6 @@ class TablePart:
 
     @property
     def width(self) -> int:
-        """Bits of the address."""
         return self.top + self.high - self.low
 
     def address(self, places: Codes, width: int) -> Codes:
@@ -67,12 +66,10 @@ class SmallTable:
 
     @property
     def ends(self) -> tuple[int, int]:
-        """The least and the largest word."""
         return min(self.words), max(self.words)
 
     @property
     def width(self) -> int:
-        """Bits of a word, two at least."""
         return max(2, signed_width(self.ends))
 
     def plus(self, constant: int) -> SmallTable:

@@ -8,15 +8,23 @@ from typing import Any, Self
 import numpy as np
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.networks.design import AtOnce, Settings
-from golden.networks.function_sums import MARGIN, FunctionSum, FunctionSums, beside, function_sums
-from golden.networks.left_out import left_out, of_useless_nodes
 from golden.networks.oracle import error_bounds, exact, hidden_weights
-from golden.networks.pictures import Flow, Wire, flow_of
 from golden.networks.small_tables import SmallTable, TablePart
-from golden.networks.table_sums import TOLERANCE, Grid, TableSum, table_sum
+from golden.networks.table_sums import (
+    MARGIN,
+    TOLERANCE,
+    FunctionSum,
+    FunctionSums,
+    Grid,
+    TableSum,
+    beside,
+    function_sums,
+    table_sum,
+)
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, SIGNAL, Precision
 from golden.numbers.real import Real
@@ -154,6 +162,29 @@ class TableGraph(AtOnce):
         """What the tables of hidden sums give, shape (frames, tables)."""
         return _looked_up(self.second, codes, self.hidden.out_fmt)
 
+    def left_out(self) -> list[str]:
+        texts = self.left_out_of()
+        if self.constant_nodes:
+            texts.append(f"{self.constant_nodes} hidden sums that never change, now in tables")
+        return [*texts, "every multiplier: a function is the sum of a few small tables"]
+
+    def flow(self) -> Flow:
+        hidden, output = self.hidden, self.output
+        return Flow(
+            (
+                Wire(f"{self.inputs} x", self.sample_fmt),
+                None,
+                Wire(f"{len(self.first)} words of tables", hidden.in_fmt),
+                hidden,
+                Wire(f"{len(hidden.weights)} s", hidden.out_fmt),
+                None,
+                Wire(f"{len(self.second)} words of tables", output.in_fmt),
+                output,
+                Wire(f"{self.outputs} y", output.out_fmt),
+            ),
+            across=True,
+        )
+
     def compute(self, frames: Codes) -> Codes:
         codes = self.hidden.process(self.hidden_words(frames))
         return self.output.process(self.output_words(codes))
@@ -279,30 +310,3 @@ def _(
     _met: Sequence[float] = (),
 ) -> Real:
     return np.array(design.bounds)
-
-
-@flow_of.register
-def _(design: TableGraph) -> Flow:
-    hidden, output = design.hidden, design.output
-    return Flow(
-        (
-            Wire(f"{design.inputs} x", design.sample_fmt),
-            None,
-            Wire(f"{len(design.first)} words of tables", hidden.in_fmt),
-            hidden,
-            Wire(f"{len(hidden.weights)} s", hidden.out_fmt),
-            None,
-            Wire(f"{len(design.second)} words of tables", output.in_fmt),
-            output,
-            Wire(f"{design.outputs} y", output.out_fmt),
-        ),
-        across=True,
-    )
-
-
-@left_out.register
-def _(design: TableGraph) -> list[str]:
-    texts = of_useless_nodes(design)
-    if design.constant_nodes:
-        texts.append(f"{design.constant_nodes} hidden sums that never change, now in tables")
-    return [*texts, "every multiplier: a function is the sum of a few small tables"]

@@ -1,15 +1,183 @@
-"""A sum of functions as small tables whose words are added up."""
+"""Networks of learned functions as sums of functions, and these as small tables that are added."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
 from typing import Any, Self
 
 import numpy as np
 
-from golden.networks.function_sums import FunctionSum
+from golden.input_error import InputError
 from golden.networks.small_tables import FINE, SmallTable, tables_of
 from golden.numbers.fixed import Fix
 from golden.numbers.real import Real
+from golden.trained.dense import Dense, DenseNetwork, Trained
+from golden.trained.function import FMT, LARGEST, Function
+from golden.trained.spline_basis import DEGREE
+
+HIDDEN_LAYERS = 2
+# A hidden word reaches beyond both ends of what its sum was on recorded frames by this part of it.
+MARGIN = 0.0625
+LEAST = 2.0**-10
+
+
+@dataclass(frozen=True)
+class Curve:
+    """``sum over n of weights[n] * functions[n](gains[n] * x + shifts[n])``."""
+
+    weights: tuple[float, ...]
+    gains: tuple[float, ...]
+    shifts: tuple[float, ...]
+    functions: tuple[Function, ...]
+
+    def at(self, x: Real) -> Real:
+        """The curve at each x."""
+        found: Real = np.zeros_like(x)
+        for weight, gain, shift, function in zip(
+            self.weights, self.gains, self.shifts, self.functions, strict=True
+        ):
+            found = found + weight * function.value(gain * x + shift)
+        return found
+
+    @property
+    def steepest(self) -> float:
+        """A bound on its slope."""
+        parts = zip(self.weights, self.gains, self.functions, strict=True)
+        return sum(abs(weight * gain) * _steepest(function) for weight, gain, function in parts)
+
+
+@dataclass(frozen=True)
+class FunctionSum:
+    """A constant and a curve of each of some variables.
+
+    curves: By the number of the variable.
+    """
+
+    curves: dict[int, Curve]
+    constant: float
+
+    def with_fixed(self, fixed: Mapping[int, float]) -> FunctionSum:
+        """The same sum where some of the variables have these values."""
+        values = (self.curves[n].at(np.array(x)) for n, x in fixed.items() if n in self.curves)
+        kept = {n: curve for n, curve in self.curves.items() if n not in fixed}
+        return FunctionSum(kept, self.constant + sum(map(float, values)))
+
+
+@dataclass(frozen=True)
+class FunctionSums:
+    """A network of learned functions.
+
+    hidden: Of the inputs.
+    ranges: Where each hidden sum lies: on recorded frames, with a margin, or else in its format.
+    outputs: Of the hidden sums.
+    """
+
+    hidden: tuple[FunctionSum, ...]
+    ranges: tuple[tuple[float, float], ...]
+    outputs: tuple[FunctionSum, ...]
+
+
+def function_sums(
+    network: Trained, reached: Sequence[tuple[float, float]], design: str
+) -> FunctionSums:
+    """A network as sums of functions.
+
+    network: Each node of its first layer has one input, those of the second layer add functions up.
+    reached: The least and the largest sum of each node of the second layer on recorded frames;
+        empty where none are known.
+    design: The design that takes no other network.
+    """
+    if not learned(network):
+        raise InputError(
+            f"hardware.design: got {design!r} for a network with other layers, expected one of "
+            'learned functions, as training.functions = "spline" makes them; "engine" takes any'
+        )
+    assert isinstance(network, DenseNetwork)
+    copies, sums, last = network.layers
+    sources = [int(np.flatnonzero(row)[0]) for row in copies.weights]
+    # Nodes that take the same sum look functions of it up.
+    rows = [
+        (*row.tolist(), bias) for row, bias in zip(sums.weights, sums.biases.tolist(), strict=True)
+    ]
+    places = {row: n for n, row in enumerate(dict.fromkeys(rows))}
+    hidden = []
+    for *row, bias in places:
+        nodes = [k for k, weight in enumerate(row) if weight]
+        curves = {
+            source: _curve(copies, [k for k in nodes if sources[k] == source], row, source)
+            for source in sorted({sources[k] for k in nodes})
+        }
+        hidden.append(FunctionSum(curves, bias))
+    takers = [[n for n, row in enumerate(rows) if places[row] == h] for h in places.values()]
+    outputs = []
+    for row, bias in zip(last.weights.tolist(), last.biases.tolist(), strict=True):
+        used = {h: [n for n in nodes if row[n]] for h, nodes in enumerate(takers)}
+        curves = {h: _curve(sums, nodes, row, None) for h, nodes in used.items() if nodes}
+        outputs.append(FunctionSum(curves, bias))
+    ranges = tuple(_range(reached[nodes[0]] if reached else None) for nodes in takers)
+    return FunctionSums(tuple(hidden), ranges, tuple(outputs))
+
+
+def beside(networks: Sequence[FunctionSums]) -> FunctionSums:
+    """Networks of the same inputs as one; each output is of the hidden sums of its own network."""
+    outputs = []
+    start = 0
+    for network in networks:
+        for one in network.outputs:
+            curves = {start + h: curve for h, curve in one.curves.items()}
+            outputs.append(FunctionSum(curves, one.constant))
+        start += len(network.hidden)
+    hidden, ranges = (
+        tuple(chain.from_iterable(getattr(network, name) for network in networks))
+        for name in ("hidden", "ranges")
+    )
+    return FunctionSums(hidden, ranges, tuple(outputs))
+
+
+def learned(network: Trained) -> bool:
+    """Whether it is a network of learned functions."""
+    if not isinstance(network, DenseNetwork) or len(network.layers) != HIDDEN_LAYERS + 1:
+        return False
+    if any(layer.quantiser for layer in network.layers):
+        return False
+    copies, sums, _ = network.layers
+    single = ((copies.weights != 0).sum(axis=1) == 1).all()
+    return bool(copies.functions and sums.functions and single)
+
+
+def _curve(layer: Dense, nodes: list[int], weights: list[float], source: int | None) -> Curve:
+    """What some nodes add to a sum. With ``source`` None their own sum is the variable."""
+    gains = [1.0 if source is None else float(layer.weights[k, source]) for k in nodes]
+    shifts = [0.0 if source is None else float(layer.biases[k]) for k in nodes]
+    return Curve(
+        tuple(weights[k] for k in nodes),
+        tuple(gains),
+        tuple(shifts),
+        tuple(layer.functions[k] for k in nodes),
+    )
+
+
+def _range(reached: tuple[float, float] | None) -> tuple[float, float]:
+    """The range of a hidden sum."""
+    low, high = reached or (-LARGEST, LARGEST)
+    # A sum that hardly changes has a range, too.
+    margin = max(MARGIN * (high - low), LEAST)
+    return max(-LARGEST, low - margin), min(LARGEST, high + margin)
+
+
+@lru_cache(maxsize=256)
+def _steepest(function: Function) -> float:
+    if function.spline:
+        # The slope of a spline is a mean of the differences of its coefficients.
+        low, high, _, *coefficients = function.spline
+        rises = np.abs(np.diff(coefficients))
+        return float(rises.max()) * (len(coefficients) - DEGREE) / (high - low)
+    q = FMT.to_real(np.arange(FMT.low, FMT.high + 1))
+    return float(np.abs(np.diff(function.value(q))).max()) * 2.0**FMT.frac
+
 
 _ONE = 1 << FINE
 # How far the tables of a function may be from it in the square mean, in units of a last place of

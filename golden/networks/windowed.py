@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from golden.common.block import Block
+from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.networks.network import Around, Network
@@ -36,10 +37,6 @@ class Windowed(Around):
                 f"{self.entity}: got {self.network.entity}, expected a network that takes a stream "
                 "of samples, without an image to be loaded and without a past"
             )
-
-    @property
-    def inside(self) -> Network:
-        return self.network
 
     @property
     def frame_window(self) -> FrameWindow:
@@ -78,6 +75,21 @@ class Windowed(Around):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.frame_window, self.network)
+
+    def left_out(self) -> list[str]:
+        counter = f"{self.frame_window.entity}: the counter that keeps frames apart"
+        return super().left_out() + [counter] * (not self.frame_window.spacing)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Wire(f"{self.inputs} x", SIGNAL),
+                self.frame_window,
+                Wire(f"{self.network.inputs} x, past and present", SIGNAL),
+                self.network,
+                Wire(f"{self.outputs} y", SIGNAL),
+            )
+        )
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(self.frame_window.process(frames))

@@ -66,7 +66,6 @@ class ConverterPart:
 
     @property
     def channels(self) -> int:
-        """The number of channels that can be selected."""
         return len(self.commands)
 
     @property

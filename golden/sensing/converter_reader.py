@@ -94,7 +94,6 @@ class ConverterReader(Scan):
 
     @property
     def interval(self) -> int:
-        """Clocks from one frame to the next."""
         return self.scan_clocks
 
     @property

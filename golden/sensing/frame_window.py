@@ -53,12 +53,10 @@ class FrameWindow(Block):
 
     @property
     def sensors(self) -> int:
-        """Number of samples of a frame that arrives."""
         return len(self.window.delays)
 
     @property
     def elements(self) -> int:
-        """Number of elements of a frame that leaves."""
         return len(self.window.taps) + self.slots
 
     @property
@@ -73,7 +71,6 @@ class FrameWindow(Block):
 
     @property
     def words(self) -> int:
-        """Number of words in the ring."""
         return 1 << self.addr_width
 
     @property

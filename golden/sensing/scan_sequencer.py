@@ -28,9 +28,7 @@ class Scan(Block):
 
     def check_pause(self) -> None:
         """Refuse a pause that the counter cannot reach."""
-        most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
-        if not 0 <= self.pause <= most:
-            raise InputError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
+        self.check(pause=(0, MOST_SCAN_CLOCKS - (1 << self.counter_width)))
 
     @property
     def turns(self) -> int:
@@ -97,11 +95,7 @@ class ScanSequencer(Scan):
                 f"{max(least, COUNTER_WIDTHS.start)} to {COUNTER_WIDTHS.stop - 1} for "
                 f"{self.slots} slots"
             )
-        if not 1 <= self.sample_clock < self.slot_clocks:
-            raise InputError(
-                f"{self.entity}: got sample_clock={self.sample_clock}, expected 1 to "
-                f"{self.slot_clocks - 1}"
-            )
+        self.check(sample_clock=(1, self.slot_clocks - 1))
         self.check_pause()
 
     @property
@@ -110,7 +104,6 @@ class ScanSequencer(Scan):
 
     @property
     def address_width(self) -> int:
-        """Bits of the multiplexer's address."""
         return max(1, (self.inputs - 1).bit_length())
 
     @property

@@ -28,8 +28,7 @@ class StreamMultiplexer(Block):
     slot: int
 
     def __post_init__(self) -> None:
-        if self.slot < 0:
-            raise InputError(f"{self.entity}: got slot={self.slot}, expected 0 or more")
+        self.check(slot=(0, None))
 
     @property
     def count_width(self) -> int:

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.input_error import InputError
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 
 DEGREE = 3
 

@@ -10,15 +10,15 @@ from numpy.typing import ArrayLike
 from golden.activation.rom import Rom
 from golden.common.block import Block
 from golden.common.border import Border, State
+from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCK, CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, cut, requantise
 from golden.numbers.precision import SIGNAL
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 from golden.numbers.transcendental import exp_floors
 from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
-from golden.visualisation.functions import power_load
 from golden.visualisation.power_fold import PowerFold
 
 RECTANGLE, TRIANGLE = 6, 2  # P of either shape, section 5.8
@@ -156,11 +156,7 @@ class Ramp(Block):
     points: int
 
     def __post_init__(self) -> None:
-        if self.points < 1 or self.step < 1 or self.guard < 1:
-            raise InputError(
-                f"ramp: got {self.points} points, step={self.step}, guard={self.guard}, "
-                "expected 1 or more of each"
-            )
+        self.check(points=(1, None), step=(1, None), guard=(1, None))
         if self.acc_width > ACC_LIMIT:
             raise InputError(
                 f"ramp: {self.points} points with guard={self.guard} need {self.acc_width} bits, "
@@ -304,16 +300,7 @@ class LoadProfile(Block):
     def latency(self) -> int:
         """Clocks from the results to the first point, and from one point to the next."""
         # The 1 is the clock to the ramp, from a result or from the point before.
-        return (
-            1
-            + self.ramp.latency
-            + DISTANCE_CLOCKS
-            + self.divider.latency
-            + self.power_fold.latency
-            + self.exp_memory.latency
-            + self.exp_interpolator.latency
-            + END_CLOCKS
-        )
+        return 1 + DISTANCE_CLOCKS + END_CLOCKS + sum(part.latency for part in self.parts())
 
     @property
     def interval(self) -> int:
@@ -321,12 +308,23 @@ class LoadProfile(Block):
         return self.ramp.points * self.latency
 
     def parts(self) -> tuple[Block, ...]:
-        return (
-            self.ramp,
-            self.divider,
-            self.power_fold,
-            self.exp_memory,
-            self.exp_interpolator,
+        return (self.ramp, self.divider, self.power_fold, self.exp_memory, self.exp_interpolator)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                self.ramp,
+                Wire("distance", self.divider.distance_width),
+                self.divider,
+                Wire("t", self.divider.out_width),
+                self.power_fold,
+                Wire("x", self.power_fold.out_width),
+                self.exp_memory,
+                Wire("word", self.exp_memory.width),
+                self.exp_interpolator,
+                Wire("exp(-x)", self.exp_interpolator.word_width),
+            ),
+            across=True,
         )
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
@@ -373,6 +371,34 @@ class LoadProfile(Block):
         return requantise(
             exact, self.exp_interpolator.word_width, self.fmt, Rounding.ROUND, Overflow.SATURATE
         )
+
+
+def power_load(
+    position: ArrayLike, load: ArrayLike, centre: ArrayLike, steepness: ArrayLike, power: int
+) -> Real:
+    """Equation 3.18 in floating point: d exp(-(C (i_p - i_m))**P).
+
+    The power is taken of the product, and not of C and of the distance separately as thesis section
+    5.8 computes it, because C**P alone overflows for narrow loads. A power beyond the largest float
+    becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
+
+    position, load, centre: i_p, d and i_m, all finite. The arguments are broadcast.
+    steepness: C, above 0: f falls to d / e at the distance 1 / C from the centre.
+    power: P, an even number: 2 for the pointed profile that stands for a triangle, 6 for the flat
+        one that stands for a rectangle. With an odd power f would grow without bound on one side.
+    """
+    if power < 2 or power % 2:
+        raise InputError(f"power: got {power}, expected an even whole number, 2 or more")
+    most, least = np.finfo(np.float64).max, math.ulp(0.0)
+    p, d, c, s = checked(
+        position=(position, -most, most),
+        load=(load, -most, most),
+        centre=(centre, -most, most),
+        steepness=(steepness, least, most),
+    )
+    with np.errstate(over="ignore", under="ignore"):
+        result: Real = d * np.exp(-((s * (p - c)) ** power))
+    return result
 
 
 def width_gain(position_unit: float | Fraction, width_unit: float | Fraction) -> Fraction:

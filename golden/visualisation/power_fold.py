@@ -48,8 +48,7 @@ class PowerFold(Block):
                 f"power_fold: out_frac={self.out_frac}, expected 0 to {self.in_frac}, those of t, "
                 f"and below out_width={self.out_width}"
             )
-        if self.max_power < 2:
-            raise InputError(f"power_fold: max_power={self.max_power}, expected 2 or more")
+        self.check(max_power=(2, None))
 
     @property
     def interval(self) -> int:
@@ -85,12 +84,10 @@ class PowerFold(Block):
 
     @property
     def power_width(self) -> int:
-        """Bits of the unsigned P."""
         return self.max_power.bit_length()
 
     @property
     def product_width(self) -> int:
-        """Bits of the unsigned product."""
         return self.in_width + self.out_width
 
     @property

@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always_comb, always_seq, block, modbv
 
-from golden.engine.frame_guard import FrameGuard
+from golden.engine.frame_check import FrameGuard
 from hdl.common.delay import connect, delay
 from hdl.common.signals import Stream, flag
 

@@ -2,16 +2,21 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
-from golden.engine.fields import (
+from golden.engine.formats import (
+    DROPPED,
     END,
     FIRST,
     FIRST_OF_OUTPUT,
     KIND,
     OUTPUT,
+    OUTPUT_SHIFT,
+    SAMPLE_SHIFT,
     SOURCE,
     STORE,
+    WIDTH,
+    WORD,
+    WORD_WIDTH,
 )
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.learning.corrected import SHORT
 from golden.learning.program import PRODUCT
 from golden.networks.learning_engine import LearningEngine

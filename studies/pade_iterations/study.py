@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from golden.activation.reference import stable_below
+from golden.activation.pade import stable_below
 from golden.activation.schemes import SCHEMES
 from tactus.report.measure.activation_errors import THESIS_FACTOR, measured
 from tactus.report.measure.table import Cell

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from golden.input_error import InputError
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import check_writable

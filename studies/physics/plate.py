@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.special import zeta
 
 from golden.input_error import InputError
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 
 # Number of terms times pairs in one chunk of the series, which is small enough for a cache and
 # large enough for numpy.

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 from tactus.physics.beam import GRAVITY
 
 # From docs/studies/numerics.md: with light damping, DOP853 and LSODA take similar times, and near

@@ -21,10 +21,9 @@ from numpy.typing import ArrayLike
 from scipy import signal
 
 from golden.input_error import InputError
-from golden.numbers.domain import checked
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 from studies.physics.plate import Plate
 from studies.physics.swing import Motion, Swing, Wobble, foot_forces, swing_motion
 from tactus.core.cli import run, stop_if_dry_run

@@ -8,10 +8,9 @@ import numpy as np
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import IntegerLayer, sample_words
 from golden.engine.ranges import hidden_peaks
-from golden.networks.bounds import engine_bounds
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.networks.oracle import exact
+from golden.networks.oracle import engine_bounds, exact
 from golden.numbers.fixed import Codes, signed_width
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ellipj, ellipkm1
 
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 from studies.physics.swing import Swing
 
 WIDE = np.longdouble

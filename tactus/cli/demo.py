@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from golden.networks.left_out import left_out
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
@@ -153,7 +152,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *ranges(scene),
         *range_lines(scene, hidden_saturations(scene, vectors.codes)),
         *quantised_lines(scene),
-        *(f"left out                  {text}" for text in left_out(scene.twin())),
+        *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
         + ", ".join(f"{s} {f['frames'] / f['seconds']:,.3g}" for s, f in facts.items())

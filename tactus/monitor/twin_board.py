@@ -20,7 +20,7 @@ import numpy as np
 
 from golden.engine.image import Image
 from golden.layers.argmax import Argmax
-from golden.learning.pupil import Pupil
+from golden.learning.gradient import Pupil
 from golden.link.lesson_receiver import LessonReceiver
 from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
 from golden.networks.engine import Engine

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 
 GRAVITY = 9.80665  # m/s^2, a_g
 MOST_MASS = 1e6  # kg; the theory is linear, the bound only keeps products finite

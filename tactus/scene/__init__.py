@@ -7,7 +7,7 @@ relative to the folder of this file.
 from collections.abc import Callable
 from typing import Any
 
-from golden.layers import kept_graph, sharing
+from golden.layers import sharing
 from tactus.core import store
 from tactus.core.closure import code
 from tactus.scene.data import thesis_figures, thesis_table
@@ -53,4 +53,4 @@ def keep(parts: dict[str, Any], always: bool, search: Callable[[], Any]) -> Any:
     return store.cached(store.key("shared_terms", code=code([sharing.__name__]), **parts), search)
 
 
-kept_graph.keeper = keep
+sharing.keeper = keep

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.numbers.domain import checked
-from golden.numbers.real import Real
+from golden.numbers.real import Real, checked
 
 if TYPE_CHECKING:
     from tactus.scene.scene import Scene

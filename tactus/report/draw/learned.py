@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from golden.networks.function_sums import Curve, function_sums
+from golden.networks.table_sums import Curve, function_sums
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
 from golden.trained.function import ITSELF

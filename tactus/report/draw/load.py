@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 from golden.numbers.real import Real
-from golden.visualisation.functions import power_load
-from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
+from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, power_load
 from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene
 from tactus.scene.visualisation import RESULTS, VISUALISATION, Visualisation, visualisation

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from golden.common.block import walk
-from golden.networks.function_sums import learned
+from golden.networks.table_sums import learned
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.learned import learned_curves
 from tactus.report.draw.load import has_load, profile

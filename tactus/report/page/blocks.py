@@ -16,8 +16,7 @@ from golden.activation.schemes import SCHEMES
 from golden.common.block import Block, walk
 from golden.common.port import Port, Unsigned
 from golden.instruments.converter_instrument import ConverterInstrument
-from golden.instruments.instrument import Instrument
-from golden.instruments.scanned import Scanned
+from golden.instruments.instrument import Instrument, Scanned
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.design import AtOnce, Settings
 from golden.networks.designs import DESIGNS

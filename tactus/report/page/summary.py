@@ -3,7 +3,6 @@
 from typing import Any
 
 from golden.common.block import walk
-from golden.networks.left_out import left_out as of_network
 from golden.networks.network import Network
 from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from tactus.report.measure.costs import Costs
@@ -122,7 +121,7 @@ def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
 
 def left_out(scene: Scene, design: Network) -> list[str]:
     """Sentences on what the project has and this scene does not build."""
-    lines = of_network(design)
+    lines = design.left_out()
     if scene.front_end is None:
         lines.append("the scan sequencer: the scene has no front_end")
     if scene.visualisation is None:
