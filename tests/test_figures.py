@@ -9,7 +9,7 @@ import pytest
 from pages import ROUNDING, cells, section, shows
 
 from golden.numbers.precision import SIGNAL
-from studies.physics.digit_data import (
+from studies.physics.digit_sensors import (
     COLUMNS,
     RECORDED,
     SENSORS,

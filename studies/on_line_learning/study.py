@@ -16,7 +16,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
-from studies.physics.digit_data import (
+from studies.physics.digit_sensors import (
     COLUMNS,
     RECORDED,
     SENSORS,

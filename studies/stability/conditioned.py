@@ -16,7 +16,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import packed
 from golden.trained.mlp import Mlp, tanh
-from studies.physics.digit_data import COLUMNS, RECORDED, SENSORS
+from studies.physics.digit_sensors import COLUMNS, RECORDED, SENSORS
 from studies.physics.swing_data import CUTOFF, SCAN_RATE, Conditioning
 from studies.stability import digits
 from studies.stability.case import Row, largest
@@ -168,7 +168,7 @@ def filters() -> Iterator[Row]:
         volts = (
             4.1 + np.where(np.arange(20_000) < 10_000, 0.0, 0.5) + 0.01 * rng.normal(size=20_000)
         )
-        found = Conditioning(1.0, CUTOFF, rate).amplify(volts, 4.1)
+        found = Conditioning(1.0, rate).amplify(volts, 4.1)
         error = largest(found - digits.high_passed(volts - 4.1, CUTOFF, rate))
         distance = 2 * np.pi * CUTOFF / rate
         case = f"{CUTOFF:g} Hz at {rate:g} samples per second, pole {distance:.1e} below 1"

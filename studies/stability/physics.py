@@ -15,7 +15,7 @@ from studies.physics.swing import (
     foot_forces,
     swing_motion,
 )
-from studies.physics.swing_data import Conditioning, ReflectiveSensor
+from studies.physics.swing_data import REST, Conditioning, read_sensor
 from studies.stability.case import Row, accepted, largest, worst
 from studies.stability.digits import DIGITS, deflection
 from studies.stability.reference_swing import reference_swing, undamped_angle
@@ -147,9 +147,8 @@ def _judged(plate: Plate, points: list[tuple[float, float]], terms: int) -> tupl
 
 def others() -> Iterator[Row]:
     rng = np.random.default_rng(0)
-    sensor = ReflectiveSensor()
     rails = np.tile([-1.0, 1.0], 500)
-    codes, clipped = Conditioning(1e6).convert(sensor.read(rails, rng), sensor.rest)
+    codes, clipped = Conditioning(1e6).convert(read_sensor(rails, rng), REST)
     case = "alternating rails, gain 1e6"
     yield Row("conditioning", case, "stop at the rails", "code", largest(codes), -SIGNAL.low)
     yield Row("conditioning", case, "count what it clips", "not counted", 1000 - clipped, 0)
@@ -160,8 +159,8 @@ def others() -> Iterator[Row]:
             lambda: Swing(arm=nothing),
             lambda: Plate().influence([[nothing, 0.1]], [[0.1, 0.1]]),
             lambda: Beam(nothing),
-            lambda: sensor.read([nothing], rng),
-            lambda: Conditioning(1.0).convert([nothing], sensor.rest),
+            lambda: read_sensor([nothing], rng),
+            lambda: Conditioning(1.0).convert([nothing], REST),
         ]
     )
     yield Row("physics", "NaN as an argument", "refuse it", "accepted of 6", invalid, 0)
