@@ -18,7 +18,6 @@ from shared import Shared, printed
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import image_packet
-from golden.networks.engine import Engine
 from golden.numbers.fixed import Codes
 from tactus.boards import Board, bitstream, board_names, load_board
 from tactus.boards.bitstream import Report, build, cells, read_record, record_path, sources, state
@@ -409,13 +408,11 @@ def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Chan
     ``change`` is applied to the netlist.
     """
     design = scene.twin()
-    assert isinstance(design, UartInstrument)
     verilog, made = folder / "verilog", sources(scene, design, board)
     export(scene, "verilog", verilog)
     netlist = cells(verilog, made, board)
     order = (verilog / "compile_order.txt").read_text().split()
     engine = design.core
-    assert isinstance(engine, Engine)
     image = image_packet(engine.loaded.to_bytes()) if engine.loaded else b""
     reader = design.converter_reader
     codes = reader.converted(voltages).ravel()

@@ -139,7 +139,6 @@ def test_every_step_is_green_so_that_the_script_can_exit_with_0(
     assert {result.colour for result in (*results, benches)} == {"green"}, results
     ran = re.match(r"(\d+) ran, of (\d+) the library has a record", benches.figure)
     assert benches.step == BENCHES
-    assert ran
     blocks = [block for block in walk(shared.scene(SCENE).twin()) if not block.part_of]
     assert int(ran[1]) + int(ran[2]) == len(blocks)
 

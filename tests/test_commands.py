@@ -98,7 +98,6 @@ def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: i
         (tmp_path / name).write_text(f"#!/bin/sh\n{script}\n")
         (tmp_path / name).chmod(0o755)
     program = shutil.which("make")
-    assert program
     result = run(program, "tools", PATH=str(tmp_path), MAKEFLAGS="")
     assert log.read_text().splitlines() == done
     if user and sudo:
@@ -122,7 +121,6 @@ def test_one_bench_by_its_command(tmp_path: Path) -> None:
         assert re.search(r"^pass +icarus +abs_unit +\d+ compared", result.stdout, re.M)
         assert re.search(r"1 benches, 0 failed, [1-9]\d+ results compared", result.stdout)
         wave = re.search(r"^waves: (.*\.fst)$", result.stdout, re.M)
-        assert wave
         assert Path(wave[1]).stat().st_size > 0
     finally:
         shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)

@@ -192,7 +192,6 @@ def written(scale: str) -> str:
 def signals_of(scene: Scene, codes: np.ndarray) -> np.ndarray:
     """The signals that the converter reader of the hardware makes from codes of its part."""
     reader = scene.twin().converter_reader
-    assert isinstance(reader, ConverterReader)
     return reader.process(codes % (1 << reader.part.bits))
 
 
@@ -339,8 +338,7 @@ def test_the_pattern_of_seven_slots() -> None:
     """The pattern is that of section 5.5 of the thesis. The eighth slot is idle."""
     scan = sequencer(slots=7, sample_clock=460)
     assert [f"{a:02b}" for a in scan.addresses[:7]] == ["00", "01", "10", "11", "00", "01", "10"]
-    assert scan.addresses[7] == 0
-    assert scan.slot_clocks == 512
+    assert (scan.addresses[7], scan.slot_clocks) == (0, 512)
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,6 @@ class Documented:
         A stand-in replaces each value that only a user has, and each required value that the
         sentence leaves out.
         """
-        assert self.command
         one_of = EITHER.get(self.command.name, ())
         first = () if self.shown.keys() & set(one_of) else one_of[:1]
         needed = {a.name: a.example for a in self.command.arguments if a.needed or a.name in first}

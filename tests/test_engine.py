@@ -178,7 +178,6 @@ def test_no_operand_is_read_before_it_is_stored_in_its_lane(
     """Every term is computed once: by the lane that holds its operand, or by one lane of those."""
     many = lanes_of(name, lanes, pipeline)
     program, shared = many.program, many.program.shared
-    assert shared is not None
     steps = program.scheduled
     at = {step.neuron: n for n, step in enumerate(steps) if step.last}
     products = []

@@ -98,7 +98,6 @@ def test_a_table_is_cut_to_what_sums_reach() -> None:
 @pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
 def test_the_engine_is_as_near_to_real_arithmetic_as_its_table(function: Function) -> None:
     dense = network((2, 4, 1), (f"table:{function.name}",))
-    assert isinstance(dense, DenseNetwork)
     engine = Engine.of([dense], Settings())
     codes = random_codes(2, 200)
     first, second = dense.layers
@@ -153,7 +152,6 @@ HARDWARE = {
 def test_images_bring_functions_of_their_own(kind: str) -> None:
     """Images with other functions, tanh or none run on hardware with blocks enough for them."""
     hardware = reloadable(kind, **HARDWARE[kind])
-    assert hardware.loaded is not None
     blocks = hardware.loaded.sizes.blocks if HARDWARE[kind] or kind != "tanh" else 0
     for other, needed in (
         ("table:softsign,gaussian,sine,sine", 4),
@@ -170,7 +168,6 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
         dense = network((4, 4, 2), (other,))
         image = hardware.image_for([dense])
         found = hardware.image_loader.judge(image.to_bytes())
-        assert found is not None
         before_last, words = found
         running = hardware.running(Image(image.sizes, before_last + 2, tuple(words)))
         codes = random_codes(4, 50)

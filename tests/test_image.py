@@ -64,15 +64,12 @@ def engine(network: Trained, **options: object) -> Engine:
 
 @pytest.fixture
 def hardware(tmp_path: Path) -> Engine:
-    twin = reloadable("digit", tmp_path).twin()
-    assert isinstance(twin, Engine)
-    return twin
+    return reloadable("digit", tmp_path).twin()
 
 
 def from_bytes(hardware: Engine, image: Image) -> Engine:
     """The hardware, running the words that it finds in the bytes of an image."""
     found = hardware.image_loader.judge(image.to_bytes())
-    assert found is not None
     before_last, words = found
     inputs = (before_last + 2) % image.sizes.operand_words
     return hardware.running(Image(image.sizes, inputs, tuple(words)))
@@ -88,7 +85,6 @@ def check_loaded(hardware: Engine, image: Image, alone: Engine) -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_what_is_loaded_computes_what_the_scene_does(name: str, lanes: int, tmp_path: Path) -> None:
     hardware = reloadable("digit", tmp_path, LANE_KEYS[lanes]).twin()
-    assert isinstance(hardware, Engine)
     scene = load_scene(name)
     running = from_bytes(hardware, scene_image(scene, hardware))
     codes = scene.vectors().codes
@@ -106,7 +102,6 @@ def test_networks_of_any_kind(name: str, lanes: int) -> None:
     networks = case.networks()
     options = {"reload": True, "lanes": lanes, "program_words": 2048, "pipeline": pipeline}
     hardware = Engine.of(networks, Settings(options=options), case.arrangement)
-    assert hardware.loaded is not None
     assert hardware.lanes == lanes
     check_loaded(hardware, hardware.loaded, Engine.of(networks, Settings(), case.arrangement))
     found = [text for text in hardware.left_out() if "no layer has a node" in text]
@@ -116,7 +111,6 @@ def test_networks_of_any_kind(name: str, lanes: int) -> None:
 @pytest.mark.parametrize("lanes", [1, 2, 3])
 def test_the_bytes_are_what_the_page_says(lanes: int) -> None:
     image = engine(random_mlp((3, 5, 2), 1.0, seed=1), lanes=lanes).loaded
-    assert image is not None
     data = image.to_bytes()
     header, sent, check = data[:5], data[5:-2], data[-2:]
     assert int.from_bytes(header, "big") == len(image.words) - 1 | (image.inputs - 2) << 18
@@ -128,7 +122,6 @@ def test_the_bytes_are_what_the_page_says(lanes: int) -> None:
 
 def test_each_changed_bit_is_found(hardware: Engine) -> None:
     image = hardware.loaded
-    assert image is not None
     data = bytearray(image.to_bytes())
     for place in range(0, 8 * len(data), 7):
         data[place // 8] ^= 1 << (place % 8)
@@ -155,7 +148,6 @@ def test_more_words_than_there_are_are_refused(hardware: Engine, last: int) -> N
     Only the first of these headers fits memories of 1536 words.
     """
     image, fits = hardware.loaded, last < 1536
-    assert image is not None
     assert image.sizes.words == 1536
     words = (image.words * 2)[: last % 2048 + 1]
     numbers = ((image.inputs - 2) << 18 | last, *reversed(words))
@@ -187,7 +179,6 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, keys: str, faults: list[st
     message = str(refusal.value)
     assert message.startswith(f"{path}: ")
     loaded = hardware.loaded
-    assert loaded is not None
     needed = {
         "program words": (len(loaded.words) - loaded.sizes.table_words) // loaded.sizes.columns,
         "operand words": loaded.program.addresses,
@@ -284,7 +275,6 @@ def test_make_image(tmp_path: Path, capsys, lanes: int, words: int, note: str) -
     hardware = reloadable("digit", tmp_path, LANE_KEYS[lanes])
     call("image", "swing-single", "--hardware", hardware.path, "--build", tmp_path)
     twin = hardware.twin()
-    assert isinstance(twin, Engine)
     image = scene_image(load_scene("swing-single"), twin)
     size = f"{len(image.words)} of {words} words of tables, weights and program, "
     size += f"{image.program.addresses} of 128 operand words, {len(image.to_bytes())} bytes"

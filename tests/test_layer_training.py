@@ -101,12 +101,10 @@ def test_a_scene_of_several_layers_is_trained(tmp_path: Path) -> None:
     assert scene.describe() == "3:4:4:2"
     assert scene.networks()[0].activations == ("relu", "relu")
     story = read_provenance(scene.weights_paths[0])
-    assert story is not None
     assert (story["network"], story["hidden"]) == ("3:4:4:2", "4 relu, 4 relu")
     assert story["test_rms_percent"] < 5
     # What it was not trained on is known.
     rows = held_out_rows(scene)
-    assert rows is not None
     miss = scene.vectors().percent_errors(
         SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
     )[rows]
@@ -124,7 +122,6 @@ def test_layers_are_searched_where_the_scene_asks(tmp_path: Path) -> None:
     trained(path)
     scene = load_scene(str(path))
     story = read_provenance(scene.weights_paths[0])
-    assert story is not None
     assert story["hidden"] == "1 to 2 layers of 2, 3, 4, 5 relu"
     assert story["candidates"] == 8 * scene.training.restarts
     # The candidate that was chosen is trained again on its own, and is better than the least one.
@@ -208,12 +205,6 @@ def asking(scene: Scene, digits: int | str, **settings) -> Scene:
     return replace(scene, training=training)
 
 
-def few_of(scene: Scene, digits: int | str, **settings) -> FewDigits:
-    """A network of a scene as it was trained, with a request for fewer digits."""
-    task = task_for(asking(scene, digits, **settings), scene.vectors(), [])
-    return FewDigits(task, train(task, (5,), 0), layered=False)
-
-
 def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
     """The digits of the codes with which designs compute. These codes must equal the weights."""
     found = constants_of(mlp, scene.settings(lean=False))
@@ -259,7 +250,9 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     """A wider tolerance leaves no more digits."""
     counts = []
     for tolerance in (0.02, 1.0):
-        few = few_of(small_scene, "fewest", digits_tolerance=tolerance)
+        asked = asking(small_scene, "fewest", digits_tolerance=tolerance)
+        task = task_for(asked, small_scene.vectors(), [])
+        few = FewDigits(task, train(task, (5,), 0), layered=False)
         mlp = few.on_training_rows()
         assert few.worst(mlp) <= 1 + tolerance
         counts.append(digits_in_hardware(small_scene, mlp))

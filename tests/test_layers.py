@@ -20,13 +20,9 @@ COEFF = Fix(18, 14)
 codes = st.integers(COEFF.low, COEFF.high)
 
 
-def one_sum(weights, bias, shift=0) -> NodeSum:
-    return NodeSum(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
-
-
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
 def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
-    twin = one_sum(weights, bias, shift)
+    twin = NodeSum(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
     half = 1 << (twin.acc_width - 1)
     largest = 0
     for rails in itertools.product((SIGNAL.low, SIGNAL.high), repeat=len(weights)):

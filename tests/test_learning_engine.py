@@ -32,9 +32,7 @@ TARGETS = SIGNAL.quantise(VECTORS.targets)[0]
 
 @pytest.fixture(scope="module")
 def twin() -> LearningEngine:
-    found = SCENE.twin()
-    assert isinstance(found, LearningEngine)
-    return found
+    return SCENE.twin()
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +58,7 @@ class Desk:
     def play(
         self,
         samples: list[tuple[int, int, int]],
-        targets: list[tuple[int, int, int]] = (),  # type: ignore[assignment]
+        targets: list[tuple[int, int, int]] = (),
         learn: int = 0,
         clocks: int = 0,
         theta: int = 0,
@@ -115,7 +113,6 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
         lesson = Lesson(samples[np.newaxis], known[np.newaxis])
     taught, rate = taught_of(scene)
     found = scene.twin()
-    assert isinstance(found, LearningEngine)
     desk = Desk(found)
     for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
         desk.show(samples, known)
@@ -240,7 +237,6 @@ def test_theta_of_the_wrong_length_is_not_put_in(twin: LearningEngine, count: in
 
 def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small: Scene) -> None:
     twin = small.twin()
-    assert isinstance(twin, LearningEngine)
     frame = np.array([[1000, -2000]])
     for known, framed in (([5], True), ([5, 6, 7], True), ([5, 6], False)):
         desk = Desk(twin)

@@ -8,14 +8,11 @@ from itertools import cycle
 from pathlib import Path
 
 import pytest
-from conftest import GIVEN, ROOT
+from conftest import ROOT
 from shared import movable, run
 
 from tactus.core.commands import COMMANDS
 from tactus.scene import scene_path
-
-MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-RECIPES = [line for line in re.sub(r"\\\n", "", MAKEFILE).splitlines() if line.startswith("\t")]
 
 # Each of these would make a file `ran` if make or the shell interpreted it.
 NASTY = [
@@ -236,14 +233,6 @@ def test_a_folder_of_the_user_is_not_removed(tmp_path: Path, target: str, name: 
     assert result.returncode == 2
     assert f"error: {name}={own}: is there already, and has no " in result.stderr
     assert own.is_dir()
-
-
-def test_recipes_have_no_text_of_a_user() -> None:
-    """Make inserts no value of a variable into a recipe. It only tests whether there is one."""
-    for line in RECIPES:
-        assert not GIVEN & set(re.findall(r"\$[({](\w+)[)}]", line)), line
-        asked = re.findall(r"\$\((?:if |filter-out 0,)\$\(value \w+\)", line)
-        assert len(asked) == line.count("$(value "), line
 
 
 def test_a_quote_without_its_other_is_one_message(tmp_path: Path) -> None:

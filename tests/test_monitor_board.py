@@ -79,17 +79,13 @@ def test_nothing_is_computed_before_an_image(simulated: TwinBoard) -> None:
     assert {frame.count for frame in frames} == {0}
 
 
-def other_sizes(hardware: Scene) -> Scene:
-    """The same scene, for hardware with a larger memory."""
-    return replace(hardware, design_options=hardware.design_options | {"program_words": 1024})
-
-
 def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinBoard) -> None:
+    larger = {**hardware.design_options, "program_words": 1024}
     with (
         Line(simulated.port, BAUD, "there") as line,
         pytest.raises(InputError, match="PORT=there: image_error: the board refused the image"),
     ):
-        loading.load(line, Board(hardware, other_sizes(hardware)))
+        loading.load(line, Board(hardware, replace(hardware, design_options=larger)))
 
 
 def test_a_line_that_is_cut_is_told(hardware: Scene, simulated: TwinBoard) -> None:
@@ -206,7 +202,6 @@ def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, 
     """The loop runs on a board of twins, and only uses the port, files and commands."""
     hardware = load_scene(HARDWARE)
     core, recorded = hardware.twin().core, hardware.vectors()
-    assert isinstance(core, Engine)
     # Every fourth row of the recording is touched.
     listed = tmp_path / "placements.csv"
     rows = [f"{load:g},{position:g}" for load, position, *_ in recorded.targets[::4]]

@@ -22,7 +22,6 @@ from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
 from golden.link.packets import lesson_packet
-from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
@@ -56,7 +55,6 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 
 def lessons_of(scene: Scene) -> TwinLessons:
     core = scene.twin().core
-    assert isinstance(core, LearningEngine)
     return TwinLessons.of(scene, core)
 
 
@@ -69,7 +67,6 @@ def texts(scene: Scene, row: int) -> dict[str, str]:
 def test_the_pupil_holds_what_the_hardware_holds(small: Scene) -> None:
     """Theta after every part of the way, also with more placements than there is room for."""
     twin = small.twin()
-    assert isinstance(twin, LearningEngine)
     pupil, desk = lessons_of(small).pupil, Desk(twin)
     codes, rng = small.vectors().codes, np.random.default_rng(5)
     known = np.where(small.twin().process(codes) > 0, SIGNAL.low, SIGNAL.high)
@@ -287,15 +284,12 @@ def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
             shown = monitor.state()["learning"]
             outputs = simulated.lessons.pupil.process(samples)
             simulated.place(texts(scene, 75))
-            wait(lambda: monitor._newest.outputs == tuple(outputs_at(simulated, 75)))
+            (there,) = second.process(simulated.samples[75:76]).tolist()
+            wait(lambda: monitor._newest.outputs == tuple(there))
     assert second.codes.tolist() == state["theta"]
     assert (shown["shown"], shown["on"], second.placements) == (0, False, 0)
     # What is read has not the lowest bits of the words.
     assert np.abs(outputs - pupil.process(samples)).max() <= 8
-
-
-def outputs_at(simulated: TwinBoard, row: int) -> list[int]:
-    return simulated.lessons.pupil.process(simulated.samples[row : row + 1])[0].tolist()
 
 
 class Written:
@@ -468,7 +462,6 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
     shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
     title = re.search(r"<title>(.*?)</title>", shown, re.S)
-    assert title
     asked, told = json.loads(html.unescape(title[1]))
     empty = dict.fromkeys(KNOWN, "")
     assert [[path, sent] for path, _, _, sent in asked] == [

@@ -48,18 +48,14 @@ def digit() -> Outcome:
     return replace(outcome(load_scene("digit")), held_out=np.arange(0, 143, 4))
 
 
-def shuffled(found: Outcome) -> Outcome:
-    order = np.random.default_rng(1).permutation(len(found.errors))
-    return replace(found, readings=found.readings[order], errors=found.errors[order])
-
-
 def test_neighbours_along_the_beam_are_alike_and_those_of_a_shuffled_file_are_not(
     digit: Outcome,
 ) -> None:
     assert digit.alike
     assert digit.stretches.max() == 19
     assert (np.diff(digit.stretches) >= 0).all()
-    single = shuffled(digit)
+    order = np.random.default_rng(1).permutation(len(digit.errors))
+    single = replace(digit, readings=digit.readings[order], errors=digit.errors[order])
     assert not single.alike
     assert single.stretches.tolist() == list(range(143))
 
@@ -137,7 +133,6 @@ def test_the_plots_hold_what_the_tables_hold(digit: Outcome) -> None:
     }
     pairs = zip(digit.targets[:, 0].tolist(), digit.results[:, 0].tolist(), strict=True)
     assert sorted(point for points in groups.values() for point in points) == sorted(pairs)
-    assert digit.held_out is not None
     held = digit.targets[digit.held_out, 0]
     assert sorted(x for x, _ in groups["held out"]) == sorted(held)
 
@@ -194,7 +189,6 @@ def test_errors_are_those_of_the_scenes_and_of_the_thesis(
         figures = [printed[n]]
         for scene in scenes:
             error, held_out = scene_errors(scene)["bit-true"][n], held_out_means(scene)
-            assert held_out is not None
             figures += [error.mean, error.largest_mean, held_out[n]]
         cells = row(table, name).split()
         for text, figure in zip(cells, figures, strict=True):
@@ -372,23 +366,3 @@ def test_activation_error_of_known_integrals(points: int) -> None:
     assert constant.largest == pytest.approx(81.92)
     # The integral of |q| over [-3, 3] is 9. Trapezoids give it exactly if 0 is on the grid.
     assert activation_error(q, q).mean_percent == pytest.approx(150, rel=9 / points**2)
-
-
-READINGS = np.linspace(-1, 1, 4000).reshape(1000, 4)
-
-
-def test_noise_is_of_every_reading():
-    noise = Disturbance(noise=0.002).of(READINGS, np.random.default_rng(1)) - READINGS
-    # The standard deviation of 4000 draws is within 5 %, which is more than four of its own
-    # deviations.
-    assert noise.std() == pytest.approx(0.002, rel=0.05)
-    assert abs(np.corrcoef(noise[:-1].ravel(), noise[1:].ravel())[0, 1]) < 0.1
-
-
-def test_drift_is_one_of_each_sensor():
-    changed = Disturbance(gain=0.01, offset=0.02).of(READINGS, np.random.default_rng(1))
-    lines = [np.polyfit(READINGS[:, s], changed[:, s], 1) for s in range(4)]
-    for s, line in enumerate(lines):
-        np.testing.assert_allclose(np.polyval(line, READINGS[:, s]), changed[:, s], atol=1e-12)
-    assert len({round(gain, 6) for gain, _ in lines}) == 4
-    assert len({round(offset, 6) for _, offset in lines}) == 4

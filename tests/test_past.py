@@ -40,16 +40,13 @@ sensors = ["a", "b", "c"]
 outputs = ["y"]
 full_scale = { y = 1.0 }
 window = { a = [0, 2, 3], c = [1, 5] }
-
 [network]
 arrangement = "single"
 hidden = 3
 weights = "past.npz"
-
 [hardware]
 design = "engine"
 precision = "exact"
-
 [training]
 restarts = 1
 steps = 20
@@ -143,11 +140,9 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
     trained, said = load_scene(str(past.path)), capfd.readouterr().out
     assert "97 rows; 10 further rows have no whole past and are not used; 40 share samples" in said
     stories = provenances(trained)
-    assert stories
     assert stories[0]["data"] == "one.csv, two.csv"
     assert stories[0]["window"] == "a 0 2 3, b 0, c 1 5"
     rows = held_out_rows(trained)
-    assert rows is not None
     assert rows.tolist() == split_of(trained).test.tolist()
     other = edited(trained, "a = [0, 2, 3]", "a = [0, 2, 4]")
     assert provenances(other) is None, "trained on other samples"
@@ -195,9 +190,7 @@ def block(window: Window, slots=0, spacing=100) -> FrameWindow:
 
 @pytest.fixture(scope="module")
 def windowed(tmp_path_factory: pytest.TempPathFactory) -> Windowed:
-    design = scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
-    assert isinstance(design, Windowed)
-    return design
+    return scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
 
 
 def random_frames(count: int, sensors: int) -> np.ndarray:

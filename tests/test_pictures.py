@@ -231,23 +231,6 @@ def test_designs_are_those_of_four_outputs_within_a_scan(monkeypatch) -> None:
     assert found.held_out == max(held_out_means(load_scene("digit")) or [])
 
 
-def test_the_printed_designs_are_drawn_too() -> None:
-    found = [
-        run_time.Design("digit", 137, 300, 0.5, 1, 2, None),
-        run_time.Design("other", 137, 305, 0.5, 1, 2, None),
-        run_time.Design("digit-hybrid", 8000, 84, 0.4, 93, 0, None),
-    ]
-    single, cascade = sorted(run_time.printed_designs(), key=lambda one: one.luts)
-    # Tables 5.3 and 5.4 print 20 and 24 % of 28672 LUTs.
-    assert (single.luts, cascade.luts) == (5734.4, 6881.28)
-    assert (single.error, cascade.error) == (14.2, 3.67)
-    # They stand at the clocks of ours of the same form, because the thesis prints none.
-    assert single.clocks == load_scene("digit-single-thesis").twin().output_clocks[-1]
-    best = f"{single.name}, 14.20 %, digit, 0.50 %"
-    assert f"Not beaten on both axes: {best}." in run_time.area(found)
-    assert f"{cascade.name}: {cascade.clocks:g}, 3.67" in run_time.networks(found)
-
-
 @pytest.mark.parametrize("name", ["area.svg", "designs", "error-against-run-time/networks.svg"])
 def test_names_in_the_shipped_pictures_cover_no_other_name(name: str) -> None:
     drawn = design_picture() if name == "designs" else (ROOT / "docs" / name).read_text("utf-8")

@@ -361,7 +361,6 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path, of_samples: bool) -> Non
     path.write_text(re.sub("(?m)^(hidden = ).*", r"\g<1>0", path.read_text()))
     scene = load_scene(str(path))
     (held,) = scene.networks()
-    assert isinstance(held, DenseNetwork)
     assert held.quantised
     codes = codes_for(2)
     expected = node_by_node(tmp_path / "net.onnx", 4 * SIGNAL.to_real(codes)) / 8

@@ -39,7 +39,6 @@ def quiet(inputs: int, count: int, seed: int = 1) -> Codes:
 def wide(kinds: tuple[str, ...] = ("relu", "relu"), seed: int = 1) -> DenseNetwork:
     """A network whose bounds are far above what quiet frames reach, with outputs below 1 there."""
     made = random_network((24, *(4 for _ in kinds), 2), kinds, 4.0, seed)
-    assert isinstance(made, DenseNetwork)
     *layers, last = made.layers
     most = 1.5 * np.abs(made.process(SIGNAL.to_real(quiet(24, 500, seed + 10)))).max()
     return DenseNetwork((*layers, Dense(last.weights / most, last.biases / most)))

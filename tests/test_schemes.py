@@ -255,20 +255,14 @@ ROUNDED = {"precise": (12770, 0.957), "precise block_ram": (452, 0.519)}
 
 
 def build(name: str, reach: int = FMT.high) -> Precise:
-    block = forms()[name].build(EXACT, 1, reach)
-    assert isinstance(block, Precise)
-    return block
-
-
-def tanh_units() -> np.ndarray:
-    """tanh of every code in units of 2**-13, with an error of less than 2**-38 of a unit."""
-    return np.tanh(FMT.to_real(EVERY)) * 8192
+    return forms()[name].build(EXACT, 1, reach)
 
 
 @pytest.mark.parametrize("name", ROUNDED)
 def test_how_many_codes_are_not_rounded_correctly(name: str) -> None:
     """For larger q, tanh lies between the largest code and 1, so the error is up to a unit."""
-    exact, results = tanh_units(), build(name).process(EVERY)
+    # In units of 2**-13, with an error of less than 2**-38 of a unit.
+    exact, results = np.tanh(FMT.to_real(EVERY)) * 8192, build(name).process(EVERY)
     nearest = np.minimum(np.floor(np.abs(exact) + 0.5), SIGNAL.high) * np.sign(exact)
     # No tanh is so near to half a unit that its last bits could change which code is the nearest.
     assert np.abs(np.abs(exact) % 1 - 0.5).min() > 2**-34
@@ -284,20 +278,14 @@ TRUNCATED = {"block_ram": (23416, 0.708), "logic": (90322, 4.497)}
 
 
 def built(memory: str, reach: int = FMT.high) -> Bipartite:
-    block = SCHEMES["bipartite"].configured({"memory": memory}).build(EXACT, 1, reach)
-    assert isinstance(block, Bipartite)
-    return block
-
-
-def middle_units() -> np.ndarray:
-    """tanh of the middle of every step, in codes of r, with an error below 2**-37 of a code."""
-    return np.tanh((EVERY + 0.5) * 2.0**-14) * 16384
+    return SCHEMES["bipartite"].configured({"memory": memory}).build(EXACT, 1, reach)
 
 
 @pytest.mark.parametrize("memory", FORMATS)
 def test_error_and_wrong_codes_are_those_of_the_page(memory: str) -> None:
     results = built(memory).process(EVERY)
-    exact = middle_units()
+    # tanh of the middle of every step, in codes of r, with an error below 2**-37 of a code.
+    exact = np.tanh((EVERY + 0.5) * 2.0**-14) * 16384
     # No tanh is so near to a whole code that its last bits could change which code is the nearest.
     assert np.abs(exact - np.rint(exact)).min() > 2**-34
     wrong, bound = TRUNCATED[memory]
@@ -335,22 +323,13 @@ def table_results(width: int) -> Codes:
     return np.clip((total + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
 
 
-@pytest.fixture(scope="module")
-def floors() -> Codes:
-    """The floor of tanh 2**FRAC for every code from 0 on, and for one more."""
-    return tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(HIDDEN_CODES) // 2 + 1, FRAC)
-
-
-def table_errors(width: int, floors: Codes) -> Codes:
-    """The distance of each result from tanh, in codes of FRAC fraction bits, to within one code."""
-    exact = np.where(HIDDEN_CODES < 0, -floors[np.abs(HIDDEN_CODES)], floors[np.abs(HIDDEN_CODES)])
-    return np.abs((table_results(width) << (FRAC - RESULT.frac)) - exact)
-
-
 @pytest.mark.parametrize("width", WIDTHS)
-def test_a_table_is_within_one_unit_of_a_signal_monotone_and_odd(width: int, floors: Codes) -> None:
+def test_a_table_is_within_one_unit_of_a_signal_monotone_and_odd(width: int) -> None:
     found = table_results(width)
-    assert table_errors(width, floors).max() < 1 << (FRAC - SIGNAL.frac)
+    floors = tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(HIDDEN_CODES) // 2 + 1, FRAC)
+    exact = floors[np.abs(HIDDEN_CODES)] * np.where(HIDDEN_CODES < 0, -1, 1)
+    off = np.abs((found << (FRAC - RESULT.frac)) - exact)
+    assert off.max() < 1 << (FRAC - SIGNAL.frac)
     assert (np.diff(found) >= 0).all()
     assert np.array_equal(found[1:], -found[:0:-1])
 
@@ -580,19 +559,3 @@ def test_square_and_sum_fit_their_widths(factor: int) -> None:
 def test_zero_is_zero(precision) -> None:
     """The first quadratic is -0.00139 there, but a magnitude has no sign."""
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0
-
-
-def test_a_thousandth_of_a_bit_changes_what_lies_closest_to_rounding() -> None:
-    twin = polynomial_for(EXACT, 1, EXACT.hidden_fmt.high)
-    codes = twin.closest_to_rounding(16)
-    assert len(set(codes)) == 32
-    exact = twin.exact(codes)
-    part = np.repeat([-1, 1], 16) << (twin.out_shift - 10)
-    kept, moved = (cut(sums, twin.out_shift, twin.rounding) for sums in (exact, exact + part))
-    assert (moved - kept == np.sign(part)).all()
-
-
-def test_too_large_a_factor_of_quadratics_names_the_thresholds() -> None:
-    polynomial_for(THESIS, 14335, SIGNAL.high)
-    with pytest.raises(InputError, match=r"Q = 14336: thresholds .* coincide in Fix\(14,13\)"):
-        polynomial_for(THESIS, 14336, SIGNAL.high)

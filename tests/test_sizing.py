@@ -89,11 +89,6 @@ def test_estimates_of_networks_that_were_held_out(one: Held) -> None:
     assert one.estimated.flip_flops == pytest.approx(flip_flops, rel=MOST / 100), one
 
 
-def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
-    """A function of the bits of an address, from the highest one, at each address."""
-    return tuple(function(*bits) for bits in product((0, 1), repeat=inputs))
-
-
 @pytest.mark.parametrize(
     ("luts", "inputs", "function"),
     [
@@ -109,7 +104,9 @@ def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
 def test_luts_of_a_table_are_counted_from_its_bits(
     luts: tuple[int, int], inputs: int, function: Callable[..., int]
 ) -> None:
-    assert luts_of(column_of(function, inputs)) == luts
+    """The bits of an address count from the highest one."""
+    column = tuple(function(*bits) for bits in product((0, 1), repeat=inputs))
+    assert luts_of(column) == luts
 
 
 def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[Sized]]) -> None:
@@ -149,7 +146,6 @@ def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
         assert {one.candidate.name for one in rows} <= {one.candidate.name for one in known}
         prices |= {one.candidate.name: scene.price.of(one.cells("xc2v")) for one in known}
         fit = [o for o in known if o.clocks <= row.clocks and o.interval <= row.interval]
-        assert limited.choice is not None
         assert (
             limited.choice.row.candidate.name
             == min((prices[one.candidate.name], one.clocks, one.candidate.name) for one in fit)[-1]
@@ -161,7 +157,6 @@ def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
 def test_auto_says_what_it_chose_and_what_is_beside_it(tmp_path: Path) -> None:
     fast = min(compared(auto(tmp_path, ""))[0], key=lambda row: row.clocks)
     scene = auto(tmp_path, f"clocks = {fast.clocks}")
-    assert scene.choice is not None
     chosen, smaller, faster = scene.choice.lines()
     assert chosen.startswith(f"chosen: {fast.candidate.name}: {fast.clocks} clocks, a frame every")
     assert f"{scene.choice.smaller.clocks - fast.clocks} too many" in smaller
@@ -183,8 +178,6 @@ def test_prices_change_the_choice(tmp_path: Path) -> None:
     dear = "prices = { lut = 0, multiplier = 1, block_ram = 0 }"
     cheap = "prices = { lut = 1, multiplier = 0, block_ram = 0 }"
     first, second = (auto(tmp_path, prices).choice for prices in (dear, cheap))
-    assert first is not None
-    assert second is not None
     assert (first.cells.multipliers, second.cells.multipliers) == (0, 1)
 
 
@@ -220,16 +213,13 @@ def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None
 
 def test_auto_takes_small_tables_where_nothing_else_is_fast_enough(tmp_path: Path) -> None:
     fast = auto_tables(tmp_path, "interval = 1")
-    assert fast.choice is not None
     row = fast.choice.row
     assert row.candidate.design == "table_graph"
     assert fast.choice.lines()[0].endswith(f"errors of 2^-13 times {row.mean:.3g} on average")
     assert fast.twin().interval == 1
     # They are cheaper than an engine with its block RAMs, and still not chosen.
     scene = auto_tables(tmp_path, "")
-    assert scene.choice is not None
     assert scene.choice.row.candidate.design == "engine"
-    assert scene.choice.smaller is not None
     chosen, smaller, _ = scene.choice.lines()
     assert "errors of" not in chosen
     assert smaller.startswith(f"next smaller: {scene.choice.smaller.candidate.name} at ")

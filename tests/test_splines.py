@@ -82,19 +82,14 @@ def test_derivatives_are_differences(kind: int, word_error: float) -> None:
         np.testing.assert_allclose(hessian, slopes @ slopes.T + aim.stiffness, atol=1e-6)
 
 
-def labelled(count: int = 40, classes: int = 3, seed: int = 2) -> Rows:
-    """Rows of random classes."""
-    rng = np.random.default_rng(seed)
-    targets = np.eye(classes)[rng.integers(0, classes, count)]
-    return Rows(rng.uniform(-1, 1.5, (count, 3)), targets, np.ones_like(targets))
-
-
 @pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
 def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
     like = network(outputs=3)
     edges = Edges.curved(like.shape).with_kind(1, kind)
     freedom = edges.freedom(like)
-    given = labelled()
+    rng = np.random.default_rng(2)
+    targets = np.eye(3)[rng.integers(0, 3, 40)]
+    given = Rows(rng.uniform(-1, 1.5, (40, 3)), targets, np.ones_like(targets))
     aim = SplineObjective(like, given, Penalty(0.3, 0.01), freedom, CrossEntropy())
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     logits = aim.network(point).process(given.inputs)
@@ -187,16 +182,13 @@ def scene(tmp_path: Path) -> Scene:
 file = "curves.csv"
 sensors = ["a", "b", "c"]
 outputs = ["u", "v"]
-
 [network]
 arrangement = "cascade"
 weights = ["u.npz", "v.npz"]
-
 [hardware]
 design = "engine"
 segment_width = 11
 precision = "exact"
-
 [training]
 functions = "spline"
 hidden = [2, 2]
@@ -280,11 +272,9 @@ RINGS = """
 file = "rings.csv"
 sensors = ["a", "b"]
 classes = "ring"
-
 [network]
 arrangement = "single"
 weights = "rings.npz"
-
 [hardware]
 design = "table_graph"
 argmax = true
@@ -292,7 +282,6 @@ sample_bits = 8
 hidden_bits = 8
 precision = "exact"
 activation = "precise"
-
 [training]
 functions = "spline"
 hidden = [1, 2]
