@@ -296,10 +296,13 @@ def test_a_recording_has_the_words_of_a_prediction(path: Path, argmax: str) -> N
         monitor = Monitor(board, print, file)
         monitor.listen(line, lambda: monitor.decoder.tally.frames >= ROWS)
     call("predict", path, "hand.csv", "out.csv")
-    seen, known = rows_of(Path("all.csv"))[:ROWS], rows_of(Path("out.csv"))
+    seen, known = rows_of(Path("all.csv")), rows_of(Path("out.csv"))
     assert len({row["gesture_predicted"] for row in known}) > 1
-    for column in ("gesture_predicted", "margin"):
-        assert [row[column] for row in seen] == [row[column] for row in known]
+    # On a busy machine the first frames may come before the line is there.
+    for row in seen:
+        predicted = known[int(row["computed"]) % ROWS]
+        for column in ("gesture_predicted", "margin"):
+            assert row[column] == predicted[column]
 
 
 def test_labels_are_recorded(path: Path, capfd) -> None:
