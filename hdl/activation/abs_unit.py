@@ -3,6 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.activation.abs_unit import AbsUnit
+from hdl.common import ops
 from hdl.common.signals import Stream, signed, unsigned
 
 
@@ -20,13 +21,8 @@ def abs_unit(clk, rst, in_: Stream, out: Stream, *, spec: AbsUnit):
     opposite = signed(width + 1)
     magnitude = unsigned(spec.mag_width)
 
-    @always_comb
-    def widen():
-        wide.next = in_.data
-
-    @always_comb
-    def negate():
-        opposite.next = -wide
+    widen = ops.widen(in_.data, wide)
+    negate = ops.negate(wide, opposite)
 
     @always_comb
     def choose():

@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block, concat
 
 from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_table import FINE_WIDTH, MAGNITUDE_WIDTH, WIDER
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.rom import Constants, rom
 from hdl.common.signals import Stream, flag, signed, unsigned
@@ -38,9 +39,7 @@ def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
         high = unsigned(sign - end)
         beyond = flag()
 
-        @always_comb
-        def look():
-            high.next = in_data[sign:end]
+        look = ops.bits(in_data, sign, end, high)
 
         @always_comb
         def compare():
@@ -60,10 +59,7 @@ def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
 
         saturation = look, compare, clip
     else:
-
-        @always_comb
-        def clip():
-            clipped.next = in_data[end:FINE_WIDTH]
+        clip = ops.bits(in_data, end, FINE_WIDTH, clipped)
 
         saturation = clip
 
@@ -141,14 +137,8 @@ def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartit
         base_addr.next = concat(is_wide, mag[width:wide], switched)
         slope_addr.next = concat(is_wide, mag[width:group], offset)
 
-    return (
-        upper_bits(clk, in_data, upper, is_wide, activation=activation),
-        keep,
-        fold,
-        rise,
-        switch,
-        address,
-    )
+    clip = upper_bits(clk, in_data, upper, is_wide, activation=activation)
+    return clip, keep, fold, rise, switch, address
 
 
 @block
@@ -255,13 +245,8 @@ def masked(clk, addr, mask, addr_late):
         lower.next = addr[last:]
         mask_late.next = mask
 
-    @always_comb
-    def unmask():
-        first.next = first_masked ^ mask_late
-
-    @always_comb
-    def join():
-        addr_late.next = concat(first, lower)
+    unmask = ops.xor(first_masked, mask_late, first)
+    join = ops.join(first, lower, addr_late)
 
     return keep, unmask, join
 
@@ -339,9 +324,7 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
         bases, corrections = memory
         find = from_memories(clk, **words, bases=bases, corrections=corrections)
 
-    @always_comb
-    def widen():
-        wide_base.next = base
+    widen = ops.widen(base, wide_base)
 
     @always_comb
     def add():
@@ -349,27 +332,15 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
         # the correction, and the LUT at the other operand can invert the base.
         total.next = slope + wide_base
 
-    @always_comb
-    def drop():
-        result.next = total[width:cut]
-
-    @always_comb
-    def join():
-        joined.next = concat(negative_late, result)
+    drop = ops.bits(total, width, cut, result)
+    join = ops.join(negative_late, result, joined)
 
     @always(clk.posedge)
     def keep():
         out_data.next = joined.signed()
 
-    return (
-        place(clk, in_data, negative, base_addr, slope_addr, activation=activation),
-        find,
-        widen,
-        add,
-        drop,
-        join,
-        keep,
-    )
+    find_place = place(clk, in_data, negative, base_addr, slope_addr, activation=activation)
+    return find_place, find, widen, add, drop, join, keep
 
 
 @block

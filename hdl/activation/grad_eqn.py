@@ -1,9 +1,10 @@
 """GRAD_EQN: computes gradient times magnitude plus intercept."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, block
 
 from golden.activation.grad_eqn import GradEqn
 from golden.numbers.fixed import Rounding
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, unsigned
 
@@ -46,25 +47,11 @@ def grad_eqn(clk, rst, in_: Stream, out: Stream, *, spec: GradEqn):
         product.next = mag * coeff
         intercept.next = early_intercept
 
-    @always_comb
-    def widen():
-        wide_intercept.next = intercept
-
-    @always_comb
-    def move():
-        aligned.next = wide_intercept << align
-
-    @always_comb
-    def add():
-        total.next = product + aligned
-
-    @always_comb
-    def add_half():
-        rounded.next = total + half
-
-    @always_comb
-    def cut():
-        kept.next = rounded >> shift
+    widen = ops.widen(intercept, wide_intercept)
+    move = ops.shift_left(wide_intercept, align, aligned)
+    add = ops.add(product, aligned, total)
+    add_half = ops.add(total, half, rounded)
+    cut = ops.shift_right(rounded, shift, kept)
 
     @always(clk.posedge)
     def keep():

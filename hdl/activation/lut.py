@@ -1,11 +1,12 @@
 """The look-up table activation: tanh is read from a table of 128 values."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, block
 
 from golden.activation.lut import Lut
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.rom import rom
 from hdl.common.scale import scale
@@ -38,9 +39,7 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
     def keep_product():
         product_late.next = product
 
-    @always_comb
-    def address():
-        addr.next = product_late[top:shift]
+    address = ops.bits(product_late, top, shift, addr)
 
     @always(clk.posedge)
     def choose():

@@ -7,6 +7,7 @@ from golden.numbers.fixed import Rounding
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.scale import scale
@@ -23,9 +24,7 @@ def multiply(clk, left, right, kept, *, shift: int, rounding):
     def product():
         exact.next = left * right
 
-    @always_comb
-    def narrow():
-        kept.next = rounded
+    narrow = ops.widen(rounded, kept)
 
     return product, requantise(exact, rounded, shift=shift, rounding=rounding), narrow
 
@@ -36,16 +35,10 @@ def offset(data, total, *, constant: int):
     magnitude = abs(constant)
 
     if constant < 0:
-
-        @always_comb
-        def move():
-            total.next = data - magnitude
+        move = ops.subtract(data, magnitude, total)
 
     else:
-
-        @always_comb
-        def move():
-            total.next = data + magnitude
+        move = ops.add(data, magnitude, total)
 
     return move
 
@@ -76,9 +69,7 @@ def low_signed(data, low):
     """``low`` is the low bits of ``data`` as a signed number."""
     width = len(low)
 
-    @always_comb
-    def keep():
-        low.next = data[width:].signed()
+    keep = ops.signed_bits(data, width, 0, low)
 
     return keep
 
@@ -88,9 +79,7 @@ def low_unsigned(data, low):
     """``low`` is the low bits of ``data`` as a number that is not negative, and a sign bit of 0."""
     width = len(low) - 1
 
-    @always_comb
-    def keep():
-        low.next = data[width:]
+    keep = ops.bits(data, width, 0, low)
 
     return keep
 
@@ -125,25 +114,11 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
     following = signed(len(whole))
     current = signed(len(value))
 
-    @always_comb
-    def product():
-        exact.next = current * ratio
-
-    @always_comb
-    def cut():
-        kept.next = exact >> dropped
-
-    @always_comb
-    def subtract():
-        less.next = kept - constant
-
-    @always_comb
-    def cut_half():
-        whole.next = less >> fraction
-
-    @always_comb
-    def invert():
-        following.next = ~whole
+    product = ops.multiply(current, ratio, exact)
+    cut = ops.shift_right(exact, dropped, kept)
+    subtract = ops.subtract(kept, constant, less)
+    cut_half = ops.shift_right(less, fraction, whole)
+    invert = ops.invert(whole, following)
 
     @always(clk.posedge)
     def iterate():
@@ -157,9 +132,7 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
             else:
                 current.next = following
 
-    @always_comb
-    def show():
-        value.next = current
+    show = ops.widen(current, value)
 
     return product, cut, subtract, cut_half, invert, iterate, show
 
@@ -203,9 +176,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     remaining = unsigned(max(1, (iterations - 1).bit_length()))
     active, busy = flag(), flag()
 
-    @always_comb
-    def weigh():
-        exact_dividend.next = late_q * numerator
+    weigh = ops.multiply(late_q, numerator, exact_dividend)
 
     @always_seq(clk.posedge, reset=rst)
     def count():
@@ -222,9 +193,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
         busy.next = remaining != 0
         ready.next = active and remaining == 0
 
-    @always_comb
-    def divide():
-        quotient.next = dividend * reciprocal
+    divide = ops.multiply(dividend, reciprocal, quotient)
 
     @always_comb
     def choose():

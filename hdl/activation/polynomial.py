@@ -6,12 +6,12 @@ from golden.activation.polynomial import Polynomial
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
-from hdl.common.delay import delay
+from hdl.common import ops
+from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
 from hdl.common.scale import scale
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
-from hdl.common.widen import widen
 
 
 @block
@@ -21,7 +21,7 @@ def square_of(clk, mag, square, *, shift: int, rounding):
     x = signed(len(mag) + 1)
     exact = signed(2 * len(x))
     kept = signed(2 * len(x) + 1 - shift)
-    x_copy = widen(mag, x)
+    x_copy = connect(mag, x)
 
     @always(clk.posedge)
     def multiply():
@@ -29,9 +29,7 @@ def square_of(clk, mag, square, *, shift: int, rounding):
 
     finish = requantise(exact, kept, shift=shift, rounding=rounding)
 
-    @always_comb
-    def narrow():
-        square.next = kept[width:]
+    narrow = ops.bits(kept, width, 0, square)
 
     return x_copy, multiply, finish, narrow
 
@@ -42,7 +40,7 @@ def term(clk, addr, data, product, *, words, fmt, shift: int, rounding):
     x = signed(len(data) + 1)
     coeff = fixed(fmt)
     exact = signed(len(x) + fmt.width)
-    x_copy = widen(data, x)
+    x_copy = connect(data, x)
     table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
 
     @always(clk.posedge)
@@ -64,9 +62,7 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
     def keep():
         late.next = coeff
 
-    @always_comb
-    def align():
-        aligned.next = late << shift
+    align = ops.shift_left(late, shift, aligned)
 
     return table, keep, align
 
@@ -105,19 +101,14 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     result = unsigned(spec.out_fmt.width - 1)
     a2, a1, a0 = zip(*spec.coeffs, strict=True)
 
-    @always_comb
-    def add_products():
-        products.next = quadratic + linear
+    add_products = ops.add(quadratic, linear, products)
 
     @always(clk.posedge)
     def add_constant():
         total.next = products + aligned
 
     if spec.factor is None:
-
-        @always_comb
-        def copy():
-            scaled.next = total
+        copy = ops.widen(total, scaled)
 
         denormalise = [copy]
     else:

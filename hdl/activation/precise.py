@@ -1,10 +1,11 @@
 """precise: computes tanh within one unit of the last place."""
 
-from myhdl import always, always_comb, block, concat
+from myhdl import always, always_comb, block
 
 from golden.activation.precise import STAGES, Precise
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.sign_retriever import sign_retriever
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.rom import registered_rom, rom
 from hdl.common.signals import Stream, flag, signed, unsigned
@@ -41,9 +42,7 @@ def row_adder(total, row, low, result):
         low.next = total[0]
         rest.next = total >> 1
 
-    @always_comb
-    def add():
-        result.next = rest + row
+    add = ops.add(rest, row, result)
 
     return shift, add
 
@@ -168,17 +167,9 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
         # at a clock edge.
         difference.next = wide_gradient - wide_high
 
-    @always_comb
-    def crop():
-        steep.next = difference[gradient_width:]
-
-    @always_comb
-    def flip():
-        flipped.next = low ^ ones
-
-    @always_comb
-    def fill():
-        slope.next = concat(steep, flipped)
+    crop = ops.bits(difference, gradient_width, 0, steep)
+    flip = ops.xor(low, ones, flipped)
+    fill = ops.join(steep, flipped, slope)
 
     @always_comb
     def widen():
@@ -187,9 +178,7 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
         wide_gradient.next = gradient_late
         wide_high.next = high
 
-    @always_comb
-    def centre():
-        x.next = wide_distance - half
+    centre = ops.subtract(wide_distance, half, x)
 
     @always(clk.posedge)
     def hold():
@@ -202,17 +191,9 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
         product.next = x_late * slope_late
         intercept_aside.next = intercept_late
 
-    @always_comb
-    def move():
-        aligned.next = wide_intercept << align
-
-    @always_comb
-    def add():
-        total.next = product + aligned
-
-    @always_comb
-    def cut():
-        kept.next = total >> out_shift
+    move = ops.shift_left(wide_intercept, align, aligned)
+    add = ops.add(product, aligned, total)
+    cut = ops.shift_right(total, out_shift, kept)
 
     @always(clk.posedge)
     def keep():

@@ -1,8 +1,9 @@
 """Sign retriever: gives a magnitude its sign back."""
 
-from myhdl import always, always_comb, always_seq, block
+from myhdl import always, always_seq, block
 
 from golden.activation.sign_retriever import SignRetriever
+from hdl.common import ops
 from hdl.common.signals import Stream, fixed
 
 
@@ -15,13 +16,8 @@ def sign_retriever(clk, rst, in_: Stream, out: Stream, *, spec: SignRetriever):
     positive = fixed(spec.fmt)
     opposite = fixed(spec.fmt)
 
-    @always_comb
-    def widen():
-        positive.next = in_.mag
-
-    @always_comb
-    def negate():
-        opposite.next = -positive
+    widen = ops.widen(in_.mag, positive)
+    negate = ops.negate(positive, opposite)
 
     @always(clk.posedge)
     def keep():

@@ -1,6 +1,6 @@
 """Shift registers."""
 
-from myhdl import Signal, always, always_comb, always_seq, block
+from myhdl import Signal, always_comb, always_seq, block
 
 
 @block
@@ -12,31 +12,11 @@ def delay(clk, rst, data, data_late, *, clocks: int):
     taps = [Signal(data.val) for _ in range(clocks - 1)]
     count = len(taps)
 
-    if rst is None and not taps:
-
-        @always(clk.posedge)
-        def keep():
+    @always_seq(clk.posedge, reset=rst)
+    def keep():
+        if count == 0:
             data_late.next = data
-
-    elif rst is None:
-
-        @always(clk.posedge)
-        def keep():
-            taps[0].next = data
-            for i in range(1, count):
-                taps[i].next = taps[i - 1]
-            data_late.next = taps[count - 1]
-
-    elif not taps:
-
-        @always_seq(clk.posedge, reset=rst)
-        def keep():
-            data_late.next = data
-
-    else:
-
-        @always_seq(clk.posedge, reset=rst)
-        def keep():
+        else:
             taps[0].next = data
             for i in range(1, count):
                 taps[i].next = taps[i - 1]

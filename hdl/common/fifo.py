@@ -1,6 +1,6 @@
 """A first-in first-out memory (FIFO)."""
 
-from myhdl import Signal, always, always_comb, always_seq, block, intbv
+from myhdl import Signal, always, always_comb, always_seq, block, instances, intbv
 
 from hdl.common.signals import Stream, flag, unsigned
 
@@ -66,12 +66,7 @@ def fifo(clk, rst, in_: Stream, out: Stream, *, fetch, depth: int):
         out.valid.next = full
         fetch.next = take
 
-    return (
-        decide,
-        write,
-        read,
-        count,
-        show,
-        turn(clk, rst, in_.valid, write_addr, stop=last_addr),
-        turn(clk, rst, take, read_addr, stop=last_addr),
-    )
+    count_writes = turn(clk, rst, in_.valid, write_addr, stop=last_addr)
+    count_reads = turn(clk, rst, take, read_addr, stop=last_addr)
+
+    return instances()

@@ -1,7 +1,8 @@
 """Holds back the first frames, because the past frames that a network needs are not there yet."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import always_seq, block
 
+from hdl.common import ops
 from hdl.common.signals import flag, unsigned
 
 
@@ -14,13 +15,8 @@ def past_whole(clk, rst, good, yields, *, past: int):
     known = unsigned(past.bit_length())
     whole = flag()
 
-    @always_comb
-    def compare():
-        whole.next = known == past
-
-    @always_comb
-    def decide():
-        yields.next = good and whole
+    compare = ops.equal(known, past, whole)
+    decide = ops.both(good, whole, yields)
 
     @always_seq(clk.posedge, reset=rst)
     def count():

@@ -3,6 +3,7 @@
 from myhdl import always_comb, block
 
 from golden.numbers.fixed import Rounding
+from hdl.common import ops
 from hdl.common.signals import signed
 
 
@@ -24,9 +25,7 @@ def requantise(exact, result, *, shift: int, rounding: Rounding):
         rounded = signed(width)
         half = 1 << (shift - 1)
 
-        @always_comb
-        def add_half():
-            rounded.next = exact + half
+        add_half = ops.add(exact, half, rounded)
 
         steps.append(add_half)
 
@@ -34,17 +33,12 @@ def requantise(exact, result, *, shift: int, rounding: Rounding):
     if shift > 0:
         kept = signed(max(2, width - shift))
 
-        @always_comb
-        def cut():
-            kept.next = rounded >> shift
+        cut = ops.shift_right(rounded, shift, kept)
 
         steps.append(cut)
 
     if len(kept) <= len(result):
-
-        @always_comb
-        def copy():
-            result.next = kept
+        copy = ops.widen(kept, result)
 
         return steps, copy
 

@@ -1,7 +1,8 @@
 """Multiplication by a constant."""
 
-from myhdl import always_comb, block
+from myhdl import block
 
+from hdl.common import ops
 from hdl.common.signals import signed, unsigned
 
 
@@ -15,12 +16,7 @@ def scale(data, product, *, factor: int):
     else:
         wide = unsigned(max(len(data), factor.bit_length()))
 
-    @always_comb
-    def widen():
-        wide.next = data
-
-    @always_comb
-    def multiply():
-        product.next = wide * factor
+    widen = ops.widen(data, wide)
+    multiply = ops.multiply(wide, factor, product)
 
     return widen, multiply

@@ -1,6 +1,6 @@
 """frame_check: accepts samples of good frames, rejects others, and signals when the engine runs."""
 
-from myhdl import Signal, always_comb, always_seq, block, modbv
+from myhdl import Signal, always_comb, always_seq, block, instances, modbv
 
 from golden.engine.frame_check import FrameCheck
 from hdl.common.delay import delay
@@ -29,7 +29,7 @@ def frame_check(
     frame.
     """
     span = 1 << spec.addr_width
-    none = span - 1
+    none, results = span - 1, spec.results
     before_last = (spec.inputs - 2) % span
     # The address wraps from -1 to 0.
     addr = Signal(modbv(none, min=0, max=span))
@@ -53,31 +53,16 @@ def frame_check(
         if in_.valid:
             dropping.next = not in_.last and (dropping or early or broken)
 
-    if spec.results:
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if finish or broken:
+            addr.next = none
+        elif (accept or store) if results else accept:
+            addr.next = addr + 1
 
-        @always_seq(clk.posedge, reset=rst)
-        def count():
-            if finish or broken:
-                addr.next = none
-            elif accept or store:
-                addr.next = addr + 1
-
-        @always_seq(clk.posedge, reset=rst)
-        def mark():
-            write.next = accept or store
-
-    else:
-
-        @always_seq(clk.posedge, reset=rst)
-        def count():
-            if finish or broken:
-                addr.next = none
-            elif accept:
-                addr.next = addr + 1
-
-        @always_seq(clk.posedge, reset=rst)
-        def mark():
-            write.next = accept
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        write.next = (accept or store) if results else accept
 
     @always_comb
     def show():
@@ -98,7 +83,7 @@ def frame_check(
             busy.next = running
             start.next = good
 
-        return look, judge, drop, count, mark, show, turn, refuse
+        return instances()
 
     opens, waiting = flag(), flag()
 
@@ -119,4 +104,4 @@ def frame_check(
         start.next = opens
 
     late = delay(clk, rst, good, opens, clocks=spec.pipeline.run - 1)
-    return look, judge, drop, count, mark, show, turn, refuse, late
+    return instances()

@@ -3,6 +3,7 @@
 from myhdl import Signal, always_comb, always_seq, block, modbv
 
 from golden.engine.frame_check import FrameGuard
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.signals import Stream, flag
 
@@ -91,9 +92,7 @@ def frame_guard(
 
     waiting = flag()
 
-    @always_comb
-    def wait():
-        closed.next = running or waiting
+    wait = ops.either(running, waiting, closed)
 
     @always_seq(clk.posedge, reset=rst)
     def stay():

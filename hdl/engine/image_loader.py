@@ -1,10 +1,11 @@
 """image_loader: a stream of bytes becomes the words of the program memory."""
 
-from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv, modbv
+from myhdl import Signal, always, always_comb, always_seq, block, instances, intbv, modbv
 
 from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import BEFORE_LAST, LAST_ADDR, WORD_BYTES
 from golden.engine.image_loader import ImageLoader
+from hdl.common import ops
 from hdl.common.check_byte import check_byte
 from hdl.common.signals import Stream, flag, unsigned
 
@@ -59,26 +60,17 @@ def image_loader(
     def take():
         accept.next = load.valid and not busy
 
-    @always_comb
-    def gather():
-        gathered.next = concat(held, load.data)
-
-    @always_comb
-    def look():
-        full.next = place == final_place
-
-    @always_comb
-    def measure():
-        named.next = gathered[count_top:addr_low]
-
-    @always_comb
-    def compare():
-        fits.next = named < words
+    gather = ops.join(held, load.data, gathered)
+    look = ops.equal(place, final_place, full)
+    measure = ops.bits(gathered, count_top, addr_low, named)
+    compare = ops.less(named, words, fits)
 
     # The image is good if its last two bytes equal the check as it was before them.
     @always_comb
     def judge():
         good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load.data
+
+    add_byte = check_byte(check, load.data, following)
 
     @always_seq(clk.posedge, reset=rst)
     def step():
@@ -138,18 +130,4 @@ def image_loader(
         before_last.next = samples
         image_error.next = failed
 
-    return (
-        take,
-        gather,
-        look,
-        measure,
-        compare,
-        judge,
-        check_byte(check, load.data, following),
-        step,
-        follow_check,
-        tell,
-        hold,
-        count,
-        show,
-    )
+    return instances()

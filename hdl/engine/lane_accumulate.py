@@ -1,9 +1,10 @@
 """lane_accumulate: selects the operand of a lane, multiplies it and adds the products up."""
 
-from myhdl import Signal, always, always_comb, block, concat, modbv
+from myhdl import Signal, always, always_comb, block, concat, instances, modbv
 
 from golden.engine.datapath import LaneAccumulate
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH, WORD
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 
@@ -40,7 +41,9 @@ def lane_accumulate(
     # The sums of a frame stay within this range. What is added up between frames may wrap.
     total, base, start, added, grown = (Signal(modbv(0, min=-span, max=span)) for _ in range(5))
     half = 1 << (DROPPED - 1)
-    half_output = half << OUTPUT_SHIFT
+    other_opening, other_start, usual_start = (
+        (3, half << OUTPUT_SHIFT, half) if spec.leads else (1, half, 0)
+    )
 
     @always(clk.posedge)
     def keep():
@@ -56,40 +59,25 @@ def lane_accumulate(
     def mark():
         opening.next = opens
 
-    @always_comb
-    def add():
-        grown.next = base + added
+    add = ops.add(base, added, grown)
 
     @always(clk.posedge)
     def store():
         total.next = grown
 
-    @always_comb
-    def look():
-        above.next = grown[top:lowest]
+    look = ops.bits(grown, top, lowest, above)
 
     @always(clk.posedge)
     def compare():
         high.next = above != 0 and not grown[sign]
         low.next = above != ones and grown[sign]
 
-    if spec.leads:
-
-        @always_comb
-        def prepare():
-            if opening == 3:
-                start.next = half_output
-            else:
-                start.next = half
-
-    else:
-
-        @always_comb
-        def prepare():
-            if opening == 1:
-                start.next = half
-            else:
-                start.next = 0
+    @always_comb
+    def prepare():
+        if opening == other_opening:
+            start.next = other_start
+        else:
+            start.next = usual_start
 
     @always(clk.posedge)
     def carry():
@@ -147,13 +135,8 @@ def select(clk, word, kind, factor, *, segment_width: int):
     def measure():
         near.next = concat(below, word[middle:])
 
-    @always_comb
-    def sign_distance():
-        distance.next = near[segment_width:].signed()
-
-    @always_comb
-    def widen():
-        wide.next = distance
+    sign_distance = ops.signed_bits(near, segment_width, 0, distance)
+    widen = ops.widen(distance, wide)
 
     @always_comb
     def choose():
@@ -179,25 +162,17 @@ def select(clk, word, kind, factor, *, segment_width: int):
         else:
             high.next = chosen[WIDTH:DROPPED]
 
-    @always_comb
-    def join():
-        bits.next = concat(high, low)
+    join = ops.join(high, low, bits)
+    show = ops.signed_bits(bits, WIDTH, 0, factor)
 
-    @always_comb
-    def show():
-        factor.next = bits[WIDTH:].signed()
-
-    return invert, measure, sign_distance, widen, choose, keep_low, keep_high, join, show
+    return instances()
 
 
 @block
 def gathered(clk, product, gather, other, added, *, width: int, partners: int):
     """What is added: the product, or the sum of another lane, which a bit of ``gather`` names."""
     if not partners:
-
-        @always_comb
-        def widen():
-            added.next = product
+        widen = ops.widen(product, added)
 
         return widen
 

@@ -1,9 +1,10 @@
 """lane_memory: holds the weights of one lane and, where they are needed, tables of functions."""
 
-from myhdl import always, always_comb, block, concat
+from myhdl import always, always_comb, block, concat, instances
 
 from golden.engine.formats import HIDDEN, WIDTH
 from golden.engine.lane_memory import LaneMemory
+from hdl.common import ops
 from hdl.common.delay import connect
 from hdl.common.rom import Constants
 from hdl.common.signals import flag, unsigned
@@ -35,8 +36,6 @@ def lane_memory(
             if write:
                 memory[write_addr].next = data
 
-        kept = keep
-
         @always(clk.posedge)
         def read():
             if not write:
@@ -44,14 +43,14 @@ def lane_memory(
 
     else:
         memory = Constants(spec.contents, WIDTH, spec.meanings)
-        kept = ()
 
         @always(clk.posedge)
         def read():
             coeff.next = memory[address]
 
     if not spec.table:
-        return kept, read, connect(place, address)
+        find_place = connect(place, address)
+        return instances()
 
     # One bit says whether the word is a slope, and those above the row's are 0.
     looks, row = flag(), unsigned(spec.row_width)
@@ -65,9 +64,7 @@ def lane_memory(
     def find():
         looked.next = concat(kind[1], row)
 
-    @always_comb
-    def widen():
-        placed.next = place
+    widen = ops.widen(place, placed)
 
     @always_comb
     def choose():
@@ -76,15 +73,8 @@ def lane_memory(
         else:
             address.next = concat(True, placed)
 
-    return (
-        kept,
-        read,
-        look,
-        find,
-        widen,
-        choose,
-        row_of(word, place, row, low=spec.segment_width, bits=spec.segment_bits),
-    )
+    find_row = row_of(word, place, row, low=spec.segment_width, bits=spec.segment_bits)
+    return instances()
 
 
 @block
@@ -99,9 +89,7 @@ def row_of(word, place, row, *, low: int, bits: int):
     sign, blocks = HIDDEN.width - 1, len(row) - bits
     part, segment = unsigned(sign - low), unsigned(sign - low)
 
-    @always_comb
-    def cut():
-        part.next = word[sign:low]
+    cut = ops.bits(word, sign, low, part)
 
     @always_comb
     def complement():
@@ -111,10 +99,7 @@ def row_of(word, place, row, *, low: int, bits: int):
             segment.next = part
 
     if not blocks:
-
-        @always_comb
-        def find():
-            row.next = segment[bits:]
+        find = ops.bits(segment, bits, 0, row)
 
         return cut, complement, find
 
@@ -134,16 +119,11 @@ def row_of(word, place, row, *, low: int, bits: int):
     def pick():
         chosen.next = place[1] or (place[0] and word[sign])
 
-    if upper > 2:
-
-        @always_comb
-        def find():
+    @always_comb
+    def find():
+        if upper > 2:
             row.next = concat(place[upper:2], chosen, segment[bits:])
-
-    else:
-
-        @always_comb
-        def find():
+        else:
             row.next = concat(chosen, segment[bits:])
 
     return cut, complement, pick, find

@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block, concat
 
 from golden.engine.datapath import LaneRound
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH, WORD
+from hdl.common import ops
 from hdl.common.delay import connect
 from hdl.common.signals import fixed, flag, unsigned
 
@@ -34,7 +35,7 @@ def lane_round(
     What becomes 0 is cleared by the reset of the register, so that each bit takes one LUT.
     """
     sign, sum_sign, end = WIDTH - 1, spec.acc_width - 1, DROPPED + WIDTH - 1
-    ones = (1 << sign) - 1
+    ones, rectifies = (1 << sign) - 1, spec.rectifies
     given, following, bits = fixed(WORD), fixed(WORD), unsigned(WIDTH)
     kept, taken, below = unsigned(sign), unsigned(sign), unsigned(sign)
     clears, low_now, top, taken_top, top_late = (flag() for _ in range(5))
@@ -46,17 +47,12 @@ def lane_round(
         else:
             kept.next = acc[end:DROPPED]
 
-    if spec.rectifies:
-
-        @always_comb
-        def judge():
+    @always_comb
+    def judge():
+        if rectifies:
             clears.next = low or (relu and acc[sum_sign])
             top.next = acc[sum_sign] and not relu
-
-    else:
-
-        @always_comb
-        def judge():
+        else:
             clears.next = low
             top.next = acc[sum_sign]
 
@@ -93,13 +89,8 @@ def lane_round(
     def keep_top():
         top_late.next = taken_top
 
-    @always_comb
-    def join():
-        bits.next = concat(top_late, below)
-
-    @always_comb
-    def show():
-        word.next = bits[WIDTH:].signed()
+    join = ops.join(top_late, below, bits)
+    show = ops.signed_bits(bits, WIDTH, 0, word)
 
     common = cut, judge, choose, keep, keep_top, join, show
     if not spec.leads:
@@ -115,25 +106,11 @@ def lane_round(
 
     wide, passed = fixed(WORD), unsigned(WIDTH)
 
-    @always_comb
-    def widen():
-        wide.next = sample
-
-    @always_comb
-    def move():
-        given.next = wide << SAMPLE_SHIFT
-
-    @always_comb
-    def decide():
-        low_now.next = own and clears
-
-    @always_comb
-    def pass_on():
-        passed.next = concat(taken_top, taken)
-
-    @always_comb
-    def pass_word():
-        following.next = passed[WIDTH:].signed()
+    widen = ops.widen(sample, wide)
+    move = ops.shift_left(wide, SAMPLE_SHIFT, given)
+    decide = ops.both(own, clears, low_now)
+    pass_on = ops.join(taken_top, taken, passed)
+    pass_word = ops.signed_bits(passed, WIDTH, 0, following)
 
     return (
         common,
@@ -150,20 +127,16 @@ def lane_round(
 @block
 def zero(own, here, given, now):
     """``now`` is ``here`` where the sum is its ``own``, and else what is ``given``, or low."""
-    if given is None:
+    alone = given is None
 
-        @always_comb
-        def decide():
+    @always_comb
+    def decide():
+        if alone:
             now.next = own and here
-
-    else:
-
-        @always_comb
-        def decide():
-            if own:
-                now.next = here
-            else:
-                now.next = given
+        elif own:
+            now.next = here
+        else:
+            now.next = given
 
     return decide
 
@@ -177,9 +150,7 @@ def halve(acc, *, high, relu, own, given, now, bits: int):
     unit = DROPPED + bits
     rest, halfway = unsigned(unit), flag()
 
-    @always_comb
-    def look():
-        rest.next = acc[unit:]
+    look = ops.bits(acc, unit, 0, rest)
 
     @always_comb
     def compare():
@@ -219,10 +190,7 @@ def keep_codes(clk, taken, below, *, low, cut, even, bits: int):
                 code.next = taken[sign:above]
 
     if even is None:
-
-        @always_comb
-        def join():
-            below.next = concat(code, fine)
+        join = ops.join(code, fine, below)
 
         return keep_fine, keep_code, join
 
@@ -234,10 +202,7 @@ def keep_codes(clk, taken, below, *, low, cut, even, bits: int):
             last.next = taken[bits]
 
     if alone:
-
-        @always_comb
-        def join():
-            below.next = concat(last, fine)
+        join = ops.join(last, fine, below)
 
         return keep_fine, keep_last, join
 

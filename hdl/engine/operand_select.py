@@ -1,9 +1,10 @@
 """operand_select: makes the multiplier's operand from the word that was read."""
 
-from myhdl import always, always_comb, block, concat
+from myhdl import always, always_comb, block, concat, instances
 
 from golden.engine.datapath import OperandSelect
 from golden.engine.formats import DROPPED, WIDTH, WORD
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 
@@ -31,9 +32,7 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
     def measure():
         bits.next = concat(below, word[middle:])
 
-    @always_comb
-    def sign_distance():
-        distance.next = bits[width:].signed()
+    sign_distance = ops.signed_bits(bits, width, 0, distance)
 
     @always_comb
     def choose():
@@ -52,17 +51,12 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
         def keep():
             late.next = chosen
 
-        return (
-            invert,
-            measure,
-            sign_distance,
-            choose,
-            keep,
-            delay(clk, None, late, operand, clocks=spec.registers),
-        )
+        wait = delay(clk, None, late, operand, clocks=spec.registers)
 
-    @always(clk.posedge)
-    def keep():
-        operand.next = chosen
+    else:
 
-    return invert, measure, sign_distance, choose, keep
+        @always(clk.posedge)
+        def keep():
+            operand.next = chosen
+
+    return instances()

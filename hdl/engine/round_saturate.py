@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block
 
 from golden.engine.datapath import RoundSaturate
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH, WORD
+from hdl.common import ops
 from hdl.common.signals import fixed, flag, unsigned
 
 
@@ -22,17 +23,13 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     top = sign + 1
     end = lowest + 1
 
-    @always_comb
-    def look():
-        above.next = acc[top:lowest]
+    look = ops.bits(acc, top, lowest, above)
 
     @always_comb
     def compare():
         beyond.next = above != 0 and above != ones
 
-    @always_comb
-    def cut():
-        kept.next = acc[end:DROPPED].signed()
+    cut = ops.signed_bits(acc, end, DROPPED, kept)
 
     @always_comb
     def saturate():
@@ -43,13 +40,8 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
         else:
             result.next = high
 
-    @always_comb
-    def widen():
-        wide.next = sample
-
-    @always_comb
-    def move():
-        moved.next = wide << SAMPLE_SHIFT
+    widen = ops.widen(sample, wide)
+    move = ops.shift_left(wide, SAMPLE_SHIFT, moved)
 
     @always(clk.posedge)
     def keep():

@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block
 
 from golden.engine.datapath import TableAddress
 from golden.engine.formats import HIDDEN
+from hdl.common import ops
 from hdl.common.signals import unsigned
 
 
@@ -17,9 +18,7 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     last = spec.segments - 1
     addr_width = spec.addr_width
 
-    @always_comb
-    def cut():
-        part.next = q[sign:low]
+    cut = ops.bits(q, sign, low, part)
 
     @always_comb
     def complement():
@@ -34,9 +33,7 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     most = last >> ones
     top = unsigned(width - ones)
 
-    @always_comb
-    def look():
-        top.next = high[width:ones]
+    look = ops.bits(high, width, ones, top)
 
     @always(clk.posedge)
     def address():

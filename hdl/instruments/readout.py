@@ -4,6 +4,7 @@ from myhdl import always_comb, always_seq, block
 
 from golden.instruments.readout import Readout
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.common.stream import catch_word, position
@@ -15,9 +16,7 @@ from hdl.visualisation.load_profile import load_profile
 def show_word(word, shown):
     """``shown`` is ``word``. It is an output port, which VHDL cannot read."""
 
-    @always_comb
-    def show():
-        shown.next = word
+    show = ops.widen(word, shown)
 
     return show
 

@@ -4,6 +4,7 @@ from myhdl import always_comb, always_seq, block
 
 from golden.instruments.uart_instrument import UartInstrument
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.next_point import next_point
 from hdl.common.signals import Group, Stream, fixed, flag, unsigned
 from hdl.instruments.readout import readout
@@ -47,9 +48,7 @@ def show_winner(inner, winner):
 def end_of_frame(results, ends):
     """``ends`` is high when the last output of a frame leaves."""
 
-    @always_comb
-    def find():
-        ends.next = results.valid and results.last
+    find = ops.both(results.valid, results.last, ends)
 
     return find
 
@@ -58,9 +57,7 @@ def end_of_frame(results, ends):
 def either(first, second, told):
     """``told`` is high when either is."""
 
-    @always_comb
-    def tell():
-        told.next = first or second
+    tell = ops.either(first, second, told)
 
     return tell
 

@@ -1,8 +1,9 @@
 """Argmax: the largest output of each frame, and how far the next one is behind it."""
 
-from myhdl import always, always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block, instances
 
 from golden.layers.argmax import Argmax
+from hdl.common import ops
 from hdl.common.delay import connect
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.common.stream import position
@@ -26,9 +27,7 @@ def argmax(clk, rst, in_: Stream, out: Stream, *, spec: Argmax):
     first, leads, closer = flag(), flag(), flag()
 
     # How far the new output is behind the largest one before.
-    @always_comb
-    def subtract():
-        behind.next = largest - in_.data
+    subtract = ops.subtract(largest, in_.data, behind)
 
     @always_comb
     def split():
@@ -44,9 +43,7 @@ def argmax(clk, rst, in_: Stream, out: Stream, *, spec: Argmax):
         else:
             folded.next = low
 
-    @always_comb
-    def measure():
-        distance.next = folded + leads
+    measure = ops.add(folded, leads, distance)
 
     @always_comb
     def look():
@@ -72,15 +69,7 @@ def argmax(clk, rst, in_: Stream, out: Stream, *, spec: Argmax):
     def finish():
         out.valid.next = in_.valid and in_.last
 
-    return (
-        subtract,
-        split,
-        fold,
-        measure,
-        look,
-        lead,
-        compare,
-        finish,
-        position(clk, rst, in_, count, stop=spec.outputs - 1),
-        connect(margin, out.margin),
-    )
+    number = position(clk, rst, in_, count, stop=spec.outputs - 1)
+    show = connect(margin, out.margin)
+
+    return instances()

@@ -3,6 +3,7 @@
 from myhdl import always, always_comb, block
 
 from golden.layers.argmax import ArgmaxTree
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 
@@ -12,9 +13,7 @@ def pair(clk, one, other, winner: Stream):
     """The larger of two outputs, with its number in the pair, and the smaller, one clock later."""
     loses = flag()
 
-    @always_comb
-    def compare():
-        loses.next = one < other
+    compare = ops.less(one, other, loses)
 
     @always(clk.posedge)
     def keep():
@@ -52,9 +51,7 @@ def meet(clk, one: Stream, other: Stream, winner: Stream, *, place: int):
     loses, closer = flag(), flag()
     rival, second = signed(len(one.top)), signed(len(one.top))
 
-    @always_comb
-    def compare():
-        loses.next = one.top < other.top
+    compare = ops.less(one.top, other.top, loses)
 
     # The loser is behind the winner, and so is the second of the winner's own group.
     @always_comb
@@ -66,9 +63,7 @@ def meet(clk, one: Stream, other: Stream, winner: Stream, *, place: int):
             rival.next = other.top
             second.next = one.second
 
-    @always_comb
-    def look():
-        closer.next = rival < second
+    look = ops.less(rival, second, closer)
 
     @always(clk.posedge)
     def follow():
@@ -108,9 +103,7 @@ def subtract(clk, last: Stream, margin):
     width = len(margin)
     lead = signed(width + 1)
 
-    @always_comb
-    def differ():
-        lead.next = last.top - last.second
+    differ = ops.subtract(last.top, last.second, lead)
 
     @always(clk.posedge)
     def keep():

@@ -11,6 +11,7 @@ from myhdl import Signal, always, always_comb, block, concat, intbv, modbv
 
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.shift_add import Alignment, Constant, Input, Row, Sum
+from hdl.common import ops
 from hdl.common.delay import delay
 
 # All steps of a sum stand in one process, in variables that are wide enough for each step: with a
@@ -61,36 +62,21 @@ def subtract(low, high, total, *, low_cut: int, high_cut: int, move: int, revers
     count = len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
-    if reverse:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = low >> low_cut
-            other[:] = high >> high_cut
+    @always_comb
+    def join():
+        one = intbv(0, min=-half, max=half)
+        other = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        turned = intbv(0, min=-half, max=half)
+        one[:] = low >> low_cut
+        other[:] = high >> high_cut
+        # Otherwise high is not moved: bits of low would pass beside the adder.
+        if reverse:
             other[:] = other << move
-            turned[:] = other - one
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    else:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = low >> low_cut
-            other[:] = high >> high_cut
-            turned[:] = one - other
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
+        turned[:] = other - one if reverse else one - other
+        turned[:] = ~turned
+        result[:] = ~turned
+        total.next = result[count:].signed()
 
     return join
 
@@ -104,25 +90,13 @@ def add_above(low, high, total, *, low_cut: int, move: int, minus: bool):
     end, start, count = low_cut, low_cut + move, len(total) - move
     half = 1 << max(len(low), len(high), count)
 
-    if minus:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            one[:] = low >> start
-            result[:] = one - high
-            total.next = concat(result[count:], low[start:end]).signed()
-
-    else:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            one[:] = low >> start
-            result[:] = one + high
-            total.next = concat(result[count:], low[start:end]).signed()
+    @always_comb
+    def join():
+        one = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        one[:] = low >> start
+        result[:] = one - high if minus else one + high
+        total.next = concat(result[count:], low[start:end]).signed()
 
     return join
 
@@ -135,34 +109,19 @@ def add_constant(number, total, *, value: int, cut: int, move: int, minus: bool)
     # A number is negated by inverting it and adding 1.
     start = value + 1 if minus else value
 
-    if minus:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = number >> cut
-            one[:] = one << move
+    @always_comb
+    def join():
+        one = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        turned = intbv(0, min=-half, max=half)
+        one[:] = number >> cut
+        one[:] = one << move
+        if minus:
             one[:] = ~one
-            turned[:] = start + one
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    else:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = number >> cut
-            one[:] = one << move
-            turned[:] = start + one
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
+        turned[:] = start + one
+        turned[:] = ~turned
+        result[:] = ~turned
+        total.next = result[count:].signed()
 
     return join
 
@@ -179,68 +138,24 @@ def add_three(first, second, third, total, *, steps: tuple[Alignment, ...], minu
     pairs = zip((first, second, third), steps, strict=True)
     half = 2 << max(count, *(len(number) + step.move for number, step in pairs))
 
-    if minus == 2:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            more = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            more[:] = third >> cut_3
-            more[:] = more << move_3
-            turned[:] = one - other
-            turned[:] = turned - more
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    elif minus == 1:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            more = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            more[:] = third >> cut_3
-            more[:] = more << move_3
-            turned[:] = one + other
-            turned[:] = turned - more
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    else:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            more = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            more[:] = third >> cut_3
-            more[:] = more << move_3
-            turned[:] = one + other
-            turned[:] = turned + more
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
+    @always_comb
+    def join():
+        one = intbv(0, min=-half, max=half)
+        other = intbv(0, min=-half, max=half)
+        more = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        turned = intbv(0, min=-half, max=half)
+        one[:] = first >> cut_1
+        one[:] = one << move_1
+        other[:] = second >> cut_2
+        other[:] = other << move_2
+        more[:] = third >> cut_3
+        more[:] = more << move_3
+        turned[:] = one - other if minus == 2 else one + other
+        turned[:] = turned - more if minus else turned + more
+        turned[:] = ~turned
+        result[:] = ~turned
+        total.next = result[count:].signed()
 
     return join
 
@@ -260,58 +175,22 @@ def add_two_and_constant(
     # three negatives less 1 is inverted once.
     start = -value - 1 if minus == 2 else value
 
-    if minus == 2:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            turned[:] = start + one
-            turned[:] = turned + other
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    elif minus == 1:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            turned[:] = start + one
-            turned[:] = turned - other
+    @always_comb
+    def join():
+        one = intbv(0, min=-half, max=half)
+        other = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        turned = intbv(0, min=-half, max=half)
+        one[:] = first >> cut_1
+        one[:] = one << move_1
+        other[:] = second >> cut_2
+        other[:] = other << move_2
+        turned[:] = start + one
+        turned[:] = turned - other if minus == 1 else turned + other
+        if minus != 2:
             turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
-
-    else:
-
-        @always_comb
-        def join():
-            one = intbv(0, min=-half, max=half)
-            other = intbv(0, min=-half, max=half)
-            result = intbv(0, min=-half, max=half)
-            turned = intbv(0, min=-half, max=half)
-            one[:] = first >> cut_1
-            one[:] = one << move_1
-            other[:] = second >> cut_2
-            other[:] = other << move_2
-            turned[:] = start + one
-            turned[:] = turned + other
-            turned[:] = ~turned
-            result[:] = ~turned
-            total.next = result[count:].signed()
+        result[:] = ~turned
+        total.next = result[count:].signed()
 
     return join
 
@@ -328,17 +207,6 @@ def append(number, above, total, *, start: int, end: int):
 
 
 @block
-def invert(number, inverted):
-    """``inverted`` has every bit of a number inverted; this is the number's negative, less 1."""
-
-    @always_comb
-    def turn():
-        inverted.next = ~number
-
-    return turn
-
-
-@block
 def finish(clk, number, result, *, drop: int):
     """The result of a row, one clock later: its number without the last bits, saturated.
 
@@ -349,24 +217,18 @@ def finish(clk, number, result, *, drop: int):
     places = count - 1
     half = 1 << sign
     high, low = (1 << places) - 1, -(1 << places)
+    fits = len(number) - drop <= count
 
-    if len(number) - drop <= count:
-
-        @always(clk.posedge)
-        def keep():
-            word = intbv(0, min=-half, max=half)
-            word[:] = number >> cut
-            word[:] = word << move
-            result.next = word[count:].signed()
-
-    else:
-
-        @always(clk.posedge)
-        def keep():
-            word = intbv(0, min=-half, max=half)
+    @always(clk.posedge)
+    def keep():
+        word = intbv(0, min=-half, max=half)
+        if not fits:
             top = intbv(0, min=-half, max=half)
-            word[:] = number >> cut
-            word[:] = word << move
+        word[:] = number >> cut
+        word[:] = word << move
+        if fits:
+            result.next = word[count:].signed()
+        else:
             top[:] = word >> places
             if top == 0 or top == -1:
                 result.next = word[count:].signed()
@@ -386,34 +248,23 @@ def rectify(clk, number, result, *, drop: int):
     places = count - 1
     half = 1 << sign
     high = (1 << places) - 1
+    fits = len(number) - drop <= count
 
-    if len(number) - drop <= count:
-
-        @always(clk.posedge)
-        def keep():
-            word = intbv(0, min=-half, max=half)
-            word[:] = number >> cut
-            word[:] = word << move
-            if word[sign]:
-                result.next = 0
-            else:
-                result.next = word[count:].signed()
-
-    else:
-
-        @always(clk.posedge)
-        def keep():
-            word = intbv(0, min=-half, max=half)
+    @always(clk.posedge)
+    def keep():
+        word = intbv(0, min=-half, max=half)
+        if not fits:
             top = intbv(0, min=-half, max=half)
-            word[:] = number >> cut
-            word[:] = word << move
+        word[:] = number >> cut
+        word[:] = word << move
+        if not fits:
             top[:] = word >> places
-            if word[sign]:
-                result.next = 0
-            elif top == 0:
-                result.next = word[count:].signed()
-            else:
-                result.next = high
+        if word[sign]:
+            result.next = 0
+        elif fits or top == 0:
+            result.next = word[count:].signed()
+        else:
+            result.next = high
 
     return keep
 
@@ -423,24 +274,15 @@ def tie_to_even(number, evened, *, drop: int):
     """``evened`` is a number whose bit ``drop`` is 0 if all bits below it are."""
     half = 1 << len(number)
 
-    if drop:
-
-        @always_comb
-        def clear():
-            word = intbv(0, min=-half, max=half)
-            word[:] = number
-            if number[drop:] == 0:
-                word[drop] = 0
-            evened.next = word[len(number) :].signed()
-
-    else:
-
-        @always_comb
-        def clear():
-            word = intbv(0, min=-half, max=half)
-            word[:] = number
+    @always_comb
+    def clear():
+        word = intbv(0, min=-half, max=half)
+        word[:] = number
+        if drop == 0:
             word[0] = 0
-            evened.next = word[len(number) :].signed()
+        elif number[drop:] == 0:
+            word[drop] = 0
+        evened.next = word[len(number) :].signed()
 
     return clear
 
@@ -562,7 +404,7 @@ class Numbers:
             number = self.at(row.node, self.spec.latency - 1)
         if row.minus:
             inverted = wrapping(len(number))
-            self.parts.append(partial(invert, number, inverted))
+            self.parts.append(partial(ops.invert, number, inverted))
             number = inverted
         drop = self.spec.drop(row)
         # A number that is moved left has a 0 there already.

@@ -1,8 +1,9 @@
 """CONTROLLER 1: counts the samples of a frame and refuses frames of the wrong length."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import always_comb, always_seq, block, instances
 
 from golden.layers.input_controller import InputController
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, flag, unsigned
 
@@ -31,14 +32,11 @@ def input_controller(
     dropping = flag()
     accept, complete, done, broken = flag(), flag(), flag(), flag()
     early, opening, accepted = flag(), flag(), flag()
-    parts = []
 
     if spacing > 1:
         remaining = unsigned((spacing - 1).bit_length())
 
-        @always_comb
-        def compare():
-            early.next = remaining != 0
+        compare = ops.unequal(remaining, 0, early)
 
         @always_seq(clk.posedge, reset=rst)
         def tick():
@@ -50,15 +48,11 @@ def input_controller(
         @always_comb
         def check():
             done.next = accept and complete and in_.last and not early
-
-        parts += [compare, tick, check]
     else:
 
         @always_comb
         def check():
             done.next = accept and complete and in_.last
-
-        parts.append(check)
 
     @always_comb
     def look():
@@ -69,9 +63,7 @@ def input_controller(
     def judge():
         broken.next = accept and (complete or in_.last) and not done
 
-    @always_comb
-    def show():
-        addr.next = count
+    show = ops.widen(count, addr)
 
     @always_seq(clk.posedge, reset=rst)
     def step():
@@ -91,4 +83,4 @@ def input_controller(
     gather = delay(clk, rst, accepted, accumulate, clocks=1)
     finish = delay(clk, rst, done, capture, clocks=3)
     mark = delay(clk, rst, done, out_valid, clocks=4)
-    return parts, look, judge, show, step, open_frame, gather, finish, mark
+    return instances()

@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block
 
 from golden.layers.input_integral import InputNode
 from golden.numbers.fixed import Rounding
+from hdl.common import ops
 from hdl.common.requantise import requantise
 from hdl.common.signals import fixed, signed
 
@@ -43,17 +44,9 @@ def input_node(
     def multiply():
         product.next = sample * factor
 
-    @always_comb
-    def cut():
-        term.next = product >> shift
-
-    @always_comb
-    def widen():
-        bias_word.next = bias
-
-    @always_comb
-    def move():
-        start.next = bias_word << align
+    cut = ops.shift_right(product, shift, term)
+    widen = ops.widen(bias, bias_word)
+    move = ops.shift_left(bias_word, align, start)
 
     @always_comb
     def choose():

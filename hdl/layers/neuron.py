@@ -1,10 +1,11 @@
 """Neuron: a weighted sum of samples that come all at once."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, block
 
 from golden.layers.weighted_sum import tree_depth
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Rounding
+from hdl.common import ops
 from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise
@@ -20,17 +21,13 @@ def weigh(clk, data, term, *, weight: int, width: int, shift: int):
     wide = signed(max(len(data), width))
     product = signed(len(data) + width)
 
-    @always_comb
-    def widen():
-        wide.next = data
+    widen = ops.widen(data, wide)
 
     @always(clk.posedge)
     def multiply():
         product.next = wide * weight
 
-    @always_comb
-    def cut():
-        term.next = product >> shift
+    cut = ops.shift_right(product, shift, term)
 
     return widen, multiply, cut
 
@@ -46,9 +43,7 @@ def constant(clk, term, *, value: int, width: int, shift: int):
     def keep():
         word.next = value
 
-    @always_comb
-    def move():
-        term.next = word << shift
+    move = ops.shift_left(word, shift, term)
 
     return keep, move
 

@@ -1,10 +1,11 @@
 """Output integral: computes the outputs in turn, with one multiplier per hidden node."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, block
 
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.weighted_sum import tree_depth
 from golden.numbers.fixed import Rounding
+from hdl.common import ops
 from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
@@ -29,11 +30,7 @@ def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
     def multiply():
         product.next = operand * weight
 
-    @always_comb
-    def cut():
-        term.next = product >> shift
-
-    return words, fetch, multiply, cut
+    return words, fetch, multiply, ops.shift_right(product, shift, term)
 
 
 @block
@@ -44,13 +41,8 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
     moved = signed(coeff_fmt.width + shift)
     words = rom(addr, word, words=biases, meanings=coeff_fmt.texts(biases))
 
-    @always_comb
-    def widen():
-        wide.next = bias
-
-    @always_comb
-    def move():
-        moved.next = wide << shift
+    widen = ops.widen(bias, wide)
+    move = ops.shift_left(wide, shift, moved)
 
     @always(clk.posedge)
     def keep():

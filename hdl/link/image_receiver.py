@@ -1,9 +1,10 @@
 """image_receiver: takes an image out of packets, and passes its bytes on to an engine."""
 
-from myhdl import always, always_comb, always_seq, block, concat
+from myhdl import always, always_comb, always_seq, block, concat, instances
 
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packets import IMAGE, SYNC, kind_byte
+from hdl.common import ops
 from hdl.common.signals import Stream, flag, unsigned
 
 
@@ -35,13 +36,8 @@ def queue(clk, rst, in_: Stream, out: Stream, *, depth: int):
     first = words[0]
     some, take = flag(), flag()
 
-    @always_comb
-    def look():
-        some.next = stored != 0
-
-    @always_comb
-    def decide():
-        take.next = some and out.ready
+    look = ops.unequal(stored, 0, some)
+    decide = ops.both(some, out.ready, take)
 
     @always_comb
     def find():
@@ -62,26 +58,21 @@ def queue(clk, rst, in_: Stream, out: Stream, *, depth: int):
         out.valid.next = some
         out.data.next = first
 
-    return (
-        look,
-        decide,
-        find,
-        count,
-        show,
-        [
-            queue_place(
-                clk,
-                put=in_.valid,
-                take=take,
-                behind=behind,
-                new=in_.data,
-                following=following,
-                here=here,
-                place=i,
-            )
-            for i, (here, following) in enumerate(zip(words, [*words[1:], 0], strict=True))
-        ],
-    )
+    places = [
+        queue_place(
+            clk,
+            put=in_.valid,
+            take=take,
+            behind=behind,
+            new=in_.data,
+            following=following,
+            here=here,
+            place=i,
+        )
+        for i, (here, following) in enumerate(zip(words, [*words[1:], 0], strict=True))
+    ]
+
+    return instances()
 
 
 @block
@@ -155,29 +146,18 @@ def image_receiver(clk, rst, in_: Stream, load: Stream, *, spec: ImageReceiver):
         else:
             byte_in.next = in_.data
 
-    @always_comb
-    def enter():
-        entering.next = concat(ends, byte_in)
+    enter = ops.join(ends, byte_in, entering)
+    hold = queue(
+        clk,
+        rst,
+        Stream(valid=put, data=entering),
+        Stream(valid=load.valid, data=leaving, ready=load.ready),
+        depth=spec.depth,
+    )
 
     @always_comb
     def show():
         load.data.next = leaving[8:]
         load.last.next = leaving[8]
 
-    return (
-        look,
-        decide,
-        wait_for_byte,
-        step,
-        count,
-        choose,
-        enter,
-        queue(
-            clk,
-            rst,
-            Stream(valid=put, data=entering),
-            Stream(valid=load.valid, data=leaving, ready=load.ready),
-            depth=spec.depth,
-        ),
-        show,
-    )
+    return instances()

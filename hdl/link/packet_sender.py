@@ -12,6 +12,7 @@ from golden.link.packets import (
     kind_byte,
 )
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.check_byte import check_byte
 from hdl.common.next_point import next_point
 from hdl.common.signals import Stream, fixed, flag, unsigned
@@ -98,9 +99,7 @@ def since_packet(clk, rst, begins, event, told):
     """``told`` is high if ``event`` has come since the last packet, or comes in this clock."""
     seen = flag()
 
-    @always_comb
-    def look():
-        told.next = seen or event
+    look = ops.either(seen, event, told)
 
     @always_seq(clk.posedge, reset=rst)
     def remember():
@@ -118,9 +117,7 @@ def refused_frame(clk, rst, complete, frame_error, told, flag_out):
     def remember():
         refused.next = not complete and (refused or frame_error)
 
-    @always_comb
-    def look():
-        flag_out.next = told or refused
+    look = ops.either(told, refused, flag_out)
 
     return remember, look
 

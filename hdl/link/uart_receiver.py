@@ -3,6 +3,7 @@
 from myhdl import Signal, always, always_comb, always_seq, block, concat
 
 from golden.link.uart import BYTE_BITS, UartReceiver
+from hdl.common import ops
 from hdl.common.signals import Stream, flag, unsigned
 
 
@@ -68,8 +69,6 @@ def uart_receiver(clk, rst, out: Stream, *, rx, line_error, spec: UartReceiver):
         out.valid.next = ends and line
         line_error.next = ends and not line
 
-    @always_comb
-    def show():
-        out.data.next = kept
+    show = ops.widen(kept, out.data)
 
     return synchronise, look, decide, divide, step, shift, tell, show

@@ -3,6 +3,7 @@
 from myhdl import Signal, always_comb, always_seq, block, concat, intbv
 
 from golden.link.uart import BYTE_BITS, UartTransmitter
+from hdl.common import ops
 from hdl.common.signals import Stream, flag, unsigned
 
 
@@ -19,17 +20,13 @@ def uart_transmitter(clk, rst, in_: Stream, *, tx, spec: UartTransmitter):
     tick = unsigned(top.bit_length())
     ends, ready, accept = flag(), flag(), flag()
 
-    @always_comb
-    def look():
-        ends.next = tick == top
+    look = ops.equal(tick, top, ends)
 
     @always_comb
     def decide():
         ready.next = left == 0 or (left == 1 and ends)
 
-    @always_comb
-    def take():
-        accept.next = in_.valid and ready
+    take = ops.both(in_.valid, ready, accept)
 
     @always_seq(clk.posedge, reset=rst)
     def divide():

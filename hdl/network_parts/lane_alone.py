@@ -4,6 +4,7 @@ from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
 from golden.engine.formats import WIDTH
 from golden.networks.engine import Engine
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.rom import Constants
 from hdl.common.signals import flag, unsigned
@@ -42,13 +43,8 @@ def lane_alone(clk, rst, *, start, run, finish, word, place, kind, read, coeff, 
         else:
             counter.next = counter + 1
 
-    @always_comb
-    def widen():
-        counted.next = counter
-
-    @always_comb
-    def join():
-        step_addr.next = concat(counted, False)
+    widen = ops.widen(counter, counted)
+    join = ops.join(counted, False, step_addr)
 
     @always(clk.posedge)
     def fetch():
@@ -62,10 +58,7 @@ def lane_alone(clk, rst, *, start, run, finish, word, place, kind, read, coeff, 
     late = delay(clk, None, fetched, word, clocks=1) if registers else connect(fetched, word)
     common = decide, step, widen, join, fetch, find, late
     if not design.looks_up:
-
-        @always_comb
-        def weigh():
-            addr.next = concat(counted, True)
+        weigh = ops.join(counted, True, addr)
 
         kind.read = read.read = True  # The lane's accumulator alone reads these.
         return common, weigh
@@ -77,17 +70,11 @@ def lane_alone(clk, rst, *, start, run, finish, word, place, kind, read, coeff, 
         looks.next = kind == 1 or kind == 2
 
     if begin:
-
-        @always_comb
-        def put_below():
-            wide.next = row
+        put_below = ops.widen(row, wide)
 
         put = put_below
     else:
-
-        @always_comb
-        def put_above():
-            wide.next = concat(True, row)
+        put_above = ops.join(True, row, wide)
 
         put = put_above
 

@@ -1,9 +1,10 @@
 """AXI4-Stream around a network, so that whatever stands before or behind it can make it wait."""
 
-from myhdl import always, always_comb, always_seq, block, concat
+from myhdl import always, always_comb, always_seq, block, concat, instances
 
 from golden.networks.axis_network import TUSER_HALF, AxisNetwork
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.fifo import fifo, turn
 from hdl.common.lookup import hardware
@@ -40,9 +41,7 @@ def gate(
     ready, accept, good = flag(), flag(), flag()
     parts = []
 
-    @always_comb
-    def find():
-        final.next = place == final_place
+    find = ops.equal(place, final_place, final)
 
     @always_comb
     def judge():
@@ -91,10 +90,7 @@ def gate(
             shut.next = remaining != 0 or (final and held)
 
     else:
-
-        @always_comb
-        def close():
-            shut.next = final and held
+        close = ops.both(final, held, shut)
 
     parts.append(close)
 
@@ -147,9 +143,7 @@ def credit(clk, rst, done, left, full, *, frames: int):
         elif left and not done:
             used.next = used - 1
 
-    @always_comb
-    def compare():
-        full.next = used == frames
+    compare = ops.equal(used, frames, full)
 
     return count, compare
 
@@ -170,6 +164,11 @@ def tell_winner(clk, rst, results: Stream, later: Stream, left, tuser, *, design
     winners = [unsigned(width) for _ in range(design.frames_under_way)]
     told = unsigned(width)
     write_addr, read_addr = (unsigned(max(1, last_addr.bit_length())) for _ in range(2))
+
+    decide = argmax(
+        clk, rst, results, Stream(valid=decided, index=index, margin=margin), spec=design.argmax
+    )
+    wait = delay(clk, rst, results.valid, later.valid, clocks=1)
 
     @always(clk.posedge)
     def wait_for_winner():
@@ -192,18 +191,10 @@ def tell_winner(clk, rst, results: Stream, later: Stream, left, tuser, *, design
         tuser.next[index_width:] = told[index_width:]
         tuser.next[margin_end:TUSER_HALF] = told[width:index_width]
 
-    return (
-        argmax(
-            clk, rst, results, Stream(valid=decided, index=index, margin=margin), spec=design.argmax
-        ),
-        delay(clk, rst, results.valid, later.valid, clocks=1),
-        wait_for_winner,
-        write,
-        read,
-        show,
-        turn(clk, rst, decided, write_addr, stop=last_addr),
-        turn(clk, rst, left, read_addr, stop=last_addr),
-    )
+    count_writes = turn(clk, rst, decided, write_addr, stop=last_addr)
+    count_reads = turn(clk, rst, left, read_addr, stop=last_addr)
+
+    return instances()
 
 
 @block

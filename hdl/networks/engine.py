@@ -5,6 +5,7 @@ from myhdl import always, always_comb, always_seq, block
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.engine.lane_groups import partners
 from golden.networks.engine import Engine
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
@@ -336,8 +337,6 @@ def field(word, bits, *, low: int):
     """``bits`` are those of ``word`` from ``low`` on."""
     top = low + len(bits)
 
-    @always_comb
-    def cut():
-        bits.next = word[top:low]
+    cut = ops.bits(word, top, low, bits)
 
     return cut

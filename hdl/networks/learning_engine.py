@@ -21,6 +21,7 @@ from golden.learning.corrected import SHORT
 from golden.learning.program import PRODUCT
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
@@ -105,23 +106,17 @@ def learning_engine(
     target_bits = places.target_width
     lowest_sample, highest_sample = SIGNAL.low << SAMPLE_SHIFT, SIGNAL.high << SAMPLE_SHIFT
 
-    @always_comb
-    def see():
-        busy.next = frame_start or frame_run
+    see = ops.either(frame_start, frame_run, busy)
 
     @always_comb
     def meet():
         arrives.next = in_.valid and not busy
         ready.next = not (busy or keep_busy)
 
-    @always_comb
-    def take():
-        taken.next = target.valid and ready
+    take = ops.both(target.valid, ready, taken)
 
     # A sample or a known output stops everything but a frame, which lets neither of them in.
-    @always_comb
-    def stop():
-        stops.next = arrives or taken
+    stop = ops.either(arrives, taken, stops)
 
     @always_comb
     def work():
@@ -271,9 +266,7 @@ def learning_engine(
         first.next = word[first_bit]
         first_of_output.next = word[first_of_output_bit]
 
-    @always_comb
-    def recognise():
-        intercept.next = kind == 1
+    recognise = ops.equal(kind, 1, intercept)
 
     # The address of a second word stands where a weight does, and is used a clock sooner.
     @always(clk.posedge)
@@ -284,13 +277,8 @@ def learning_engine(
         product_late.next = product
         look_up.next = kind == 1 or kind == 2
 
-    @always_comb
-    def count():
-        unread_place.next = unread
-
-    @always_comb
-    def point():
-        asked.next = theta_low + unread_place
+    count = ops.widen(unread, unread_place)
+    point = ops.add(theta_low, unread_place, asked)
 
     @always_comb
     def name():
@@ -328,9 +316,7 @@ def learning_engine(
         elif wrote:
             result_low.next = result_low + 1
 
-    @always_comb
-    def join():
-        result_source.next = concat(result_top, result_low)
+    join = ops.join(result_top, result_low, result_source)
 
     # Until a step has been taken, a frame clears the theta in use. An equation, and any later
     # frame, writes the other one.
@@ -344,9 +330,7 @@ def learning_engine(
         target_place.next = target_addr[target_bits:]
 
     # A word of theta goes to the bank that is not in use, as a result does.
-    @always_comb
-    def place_theta():
-        theta_place.next = theta_low + target_place
+    place_theta = ops.add(theta_low, target_place, theta_place)
 
     @always_comb
     def locate():
@@ -388,9 +372,7 @@ def learning_engine(
     above = unsigned(end - lowest)
     ones = (1 << (end - lowest)) - 1
 
-    @always_comb
-    def look():
-        above.next = acc[end:lowest]
+    look = ops.bits(acc, end, lowest, above)
 
     @always_comb
     def compare():
@@ -404,9 +386,7 @@ def learning_engine(
     def judge():
         of_theta.next = wrote and over and not result_top and result_low[theta_bit]
 
-    @always_comb
-    def sentence():
-        bad.next = spoiled or of_theta
+    sentence = ops.either(spoiled, of_theta, bad)
 
     @always(clk.posedge)
     def spoil():

@@ -5,6 +5,7 @@ from myhdl import always, always_comb, block, concat
 from golden.networks.small_tables import SmallTable
 from golden.networks.table_graph import TableGraph
 from golden.numbers.precision import SIGNAL
+from hdl.common import ops
 from hdl.common.delay import connect, delay
 from hdl.common.rom import rom
 from hdl.common.signals import Stream, Words, fixed, flag, unsigned
@@ -21,10 +22,7 @@ def address_of(word, address, *, table: SmallTable, start: int):
     above, high, low = count - part.top, start + part.high, start + part.low
 
     if part.high == part.low:
-
-        @always_comb
-        def look():
-            address.next = word[count:above]
+        look = ops.bits(word, count, above, address)
 
     elif part.top:
 
@@ -33,10 +31,7 @@ def address_of(word, address, *, table: SmallTable, start: int):
             address.next = concat(word[count:above], word[high:low])
 
     else:
-
-        @always_comb
-        def look():
-            address.next = word[high:low]
+        look = ops.bits(word, high, low, address)
 
     return look
 

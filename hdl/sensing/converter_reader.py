@@ -1,11 +1,12 @@
 """Converter reader: makes frames from a converter with several channels on an SPI."""
 
 import numpy as np
-from myhdl import always, always_comb, always_seq, block, concat
+from myhdl import always, always_comb, always_seq, block, concat, instances
 
 from golden.numbers.fixed import Rounding
 from golden.sensing.converter_parts import STRAIGHT
 from golden.sensing.converter_reader import ConverterReader
+from hdl.common import ops
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
@@ -43,13 +44,13 @@ def scan(clk, rst, slot, starts, *, reader: ConverterReader):
         def decide():
             starts.next = clock == begin_clock and slot < inputs and not pausing
 
-        return step, slices, compare, decide
+    else:
 
-    @always_comb
-    def decide():
-        starts.next = clock == begin_clock and slot < inputs
+        @always_comb
+        def decide():
+            starts.next = clock == begin_clock and slot < inputs
 
-    return step, slices, decide
+    return instances()
 
 
 @block
@@ -153,15 +154,10 @@ def to_sample(received, sample, *, reader: ConverterReader):
     code = unsigned(bits)
     exact = signed(bits + 1)
 
-    @always_comb
-    def cut():
-        code.next = received[above:low]
+    cut = ops.bits(received, above, low, code)
 
     if part.coding == STRAIGHT:
-
-        @always_comb
-        def centre():
-            exact.next = code - half
+        centre = ops.subtract(code, half, exact)
 
     else:
 
@@ -174,13 +170,8 @@ def to_sample(received, sample, *, reader: ConverterReader):
 
     wide = signed(reader.fmt.width + 1)
 
-    @always_comb
-    def widen():
-        wide.next = exact
-
-    @always_comb
-    def align():
-        sample.next = wide << pad
+    widen = ops.widen(exact, wide)
+    align = ops.shift_left(wide, pad, sample)
 
     return cut, centre, widen, align
 
@@ -210,6 +201,27 @@ def converter_reader(
     ring = [fixed(spec.fmt) for _ in range(inputs)]
     sending, closing = flag(), flag()
     place = unsigned(max(1, end.bit_length()))
+
+    count = scan(clk, rst, slot, starts, reader=spec)
+    clock_bits = transfer(
+        clk,
+        rst,
+        starts=starts,
+        running=running,
+        half=half,
+        read=read,
+        turn=turn,
+        halves=halves,
+        clocks=spec.half_clocks,
+    )
+    look_up = rom(
+        slot,
+        command,
+        words=np.array([int(bits, 2) for bits in part.commands[:inputs]]),
+        meanings=[f"channel {n}" for n in range(inputs)],
+    )
+    check = judge(received, wrong, reader=spec)
+    convert = to_sample(received, sample, reader=spec)
 
     @always(clk.posedge)
     def drive():
@@ -289,37 +301,4 @@ def converter_reader(
         out.valid.next = sending
         out.last.next = closing
 
-    return (
-        scan(clk, rst, slot, starts, reader=spec),
-        transfer(
-            clk,
-            rst,
-            starts=starts,
-            running=running,
-            half=half,
-            read=read,
-            turn=turn,
-            halves=halves,
-            clocks=spec.half_clocks,
-        ),
-        rom(
-            slot,
-            command,
-            words=np.array([int(bits, 2) for bits in part.commands[:inputs]]),
-            meanings=[f"channel {n}" for n in range(inputs)],
-        ),
-        judge(received, wrong, reader=spec),
-        to_sample(received, sample, reader=spec),
-        drive,
-        ask,
-        catch,
-        end_transfer,
-        decide,
-        complete,
-        remember,
-        send,
-        close,
-        enter,
-        keep,
-        strobe,
-    )
+    return instances()

@@ -1,9 +1,10 @@
 """Frame window: keeps past frames, and sends the samples of them that a network takes."""
 
 import numpy as np
-from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
+from myhdl import Signal, always, always_comb, always_seq, block, instances, intbv, modbv
 
 from golden.sensing.frame_window import FrameWindow
+from hdl.common import ops
 from hdl.common.delay import delay
 from hdl.common.past import past_whole
 from hdl.common.rom import rom
@@ -16,14 +17,11 @@ def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing:
     final = sensors - 1
     count = unsigned(max(1, final.bit_length()))
     dropping, complete, early = flag(), flag(), flag()
-    parts = []
 
     if spacing > 1:
         remaining = unsigned((spacing - 1).bit_length())
 
-        @always_comb
-        def compare():
-            early.next = remaining != 0
+        compare = ops.unequal(remaining, 0, early)
 
         @always_seq(clk.posedge, reset=rst)
         def tick():
@@ -35,15 +33,11 @@ def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing:
         @always_comb
         def check():
             good.next = accept and complete and in_.last and not early
-
-        parts += [compare, tick, check]
     else:
 
         @always_comb
         def check():
             good.next = accept and complete and in_.last
-
-        parts.append(check)
 
     @always_comb
     def look():
@@ -65,7 +59,7 @@ def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing:
         elif in_.valid and in_.last:
             dropping.next = False
 
-    return parts, look, refuse, step
+    return instances()
 
 
 @block
@@ -84,6 +78,16 @@ def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Frame
     turn = unsigned(max(1, final.bit_length()))
     accept, good, broken, sending, closing = (flag() for _ in range(5))
     yields = flag() if spec.past else good
+    count = judge(
+        clk,
+        rst,
+        in_,
+        accept=accept,
+        good=good,
+        broken=broken,
+        sensors=spec.sensors,
+        spacing=spec.spacing,
+    )
     past = [past_whole(clk, rst, good, yields, past=spec.past)] if spec.past else []
 
     @always(clk.posedge)
@@ -115,6 +119,13 @@ def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Frame
     def close():
         closing.next = sending and turn == final
 
+    look_up = rom(
+        turn,
+        offset,
+        words=np.array(spec.offsets),
+        meanings=[f"sensor {tap.sensor}, {tap.delay} before" for tap in spec.window.taps],
+    )
+
     @always(clk.posedge)
     def find():
         read_addr.next = start - offset
@@ -123,30 +134,7 @@ def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Frame
     def read():
         out.data.next = ring[read_addr]
 
-    return (
-        judge(
-            clk,
-            rst,
-            in_,
-            accept=accept,
-            good=good,
-            broken=broken,
-            sensors=spec.sensors,
-            spacing=spec.spacing,
-        ),
-        past,
-        write,
-        advance,
-        send,
-        close,
-        rom(
-            turn,
-            offset,
-            words=np.array(spec.offsets),
-            meanings=[f"sensor {tap.sensor}, {tap.delay} before" for tap in spec.window.taps],
-        ),
-        find,
-        read,
-        delay(clk, rst, sending, out.valid, clocks=2),
-        delay(clk, rst, closing, out.last, clocks=2),
-    )
+    mark = delay(clk, rst, sending, out.valid, clocks=2)
+    mark_last = delay(clk, rst, closing, out.last, clocks=2)
+
+    return instances()

@@ -1,7 +1,7 @@
 """Scan sequencer: reads the sensors in turn through an analogue multiplexer."""
 
 import numpy as np
-from myhdl import always, always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block, instances
 
 from golden.sensing.scan_sequencer import ScanSequencer
 from hdl.common.rom import rom
@@ -53,16 +53,12 @@ def scan_sequencer(clk, rst, out: Stream, *, adc, address, spec: ScanSequencer):
                 selected.next = 0
             else:
                 selected.next = turn
-
-        control = compare, decide, choose
     else:
         turn = selected
 
         @always_comb
         def decide():
             take.next = clock == sample_clock and slot < slots
-
-        control = decide
 
     @always_seq(clk.posedge, reset=rst)
     def strobe():
@@ -75,16 +71,11 @@ def scan_sequencer(clk, rst, out: Stream, *, adc, address, spec: ScanSequencer):
         if take:
             out.data.next = adc
 
-    return (
-        step,
-        slices,
-        control,
-        strobe,
-        keep,
-        rom(
-            slot,
-            turn,
-            words=np.array(spec.addresses),
-            meanings=[str(address) for address in spec.addresses],
-        ),
+    look_up = rom(
+        slot,
+        turn,
+        words=np.array(spec.addresses),
+        meanings=[str(address) for address in spec.addresses],
     )
+
+    return instances()

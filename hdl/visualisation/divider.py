@@ -1,12 +1,12 @@
 """Divider: gives the distance from the load in units of the load's half width."""
 
-from myhdl import always, always_comb, always_seq, block, concat
+from myhdl import always, always_comb, always_seq, block, concat, instances
 
 from golden.visualisation.divider import Divider
-from hdl.common.delay import delay
+from hdl.common import ops
+from hdl.common.delay import connect, delay
 from hdl.common.scale import scale
 from hdl.common.signals import Stream, flag, signed, unsigned
-from hdl.common.widen import widen
 
 
 @block
@@ -38,6 +38,9 @@ def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
     trial = signed(width_bits + 2)
     quotient_bit = flag()
 
+    scale_up = scale(in_.distance, product, factor=spec.gain)
+    wait = delay(clk, rst, in_.valid, load, clocks=1)
+
     @always(clk.posedge)
     def take():
         if in_.valid:
@@ -47,9 +50,7 @@ def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
             else:
                 divisor.next = in_.width
 
-    @always_comb
-    def align():
-        aligned.next = numerator << shift
+    align = ops.shift_left(numerator, shift, aligned)
 
     @always_comb
     def split():
@@ -60,17 +61,16 @@ def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
     def judge():
         beyond.next = head >= divisor
 
-    @always_comb
-    def subtract():
-        trial.next = wide_shifted - wide_divisor
+    widen_shifted = connect(shifted, wide_shifted)
+    widen_divisor = connect(divisor, wide_divisor)
+
+    subtract = ops.subtract(wide_shifted, wide_divisor, trial)
 
     @always_comb
     def join():
         top.next = digits[out_bits - 1]
 
-    @always_comb
-    def lengthen():
-        shifted.next = concat(remainder, top)
+    lengthen = ops.join(remainder, top, shifted)
 
     @always_comb
     def decide():
@@ -101,24 +101,6 @@ def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
             remaining.next = remaining - 1
         out.valid.next = remaining == 1 and not load
 
-    @always_comb
-    def show():
-        out.data.next = digits
+    show = ops.widen(digits, out.data)
 
-    return (
-        scale(in_.distance, product, factor=spec.gain),
-        delay(clk, rst, in_.valid, load, clocks=1),
-        take,
-        align,
-        split,
-        judge,
-        widen(shifted, wide_shifted),
-        widen(divisor, wide_divisor),
-        subtract,
-        join,
-        lengthen,
-        decide,
-        step,
-        count,
-        show,
-    )
+    return instances()

@@ -4,10 +4,10 @@ from myhdl import always, always_comb, always_seq, block
 
 from golden.numbers.fixed import Rounding
 from golden.visualisation.load_profile import DISTANCE_CLOCKS, RECTANGLE, TRIANGLE, LoadProfile
-from hdl.common.delay import delay
+from hdl.common import ops
+from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
-from hdl.common.widen import widen
 from hdl.visualisation.divider import divider
 from hdl.visualisation.exp_interpolator import exp_interpolator
 from hdl.visualisation.exp_memory import exp_memory
@@ -43,13 +43,8 @@ def distance_from(clk, x, centre, distance):
     def subtract():
         difference.next = x - centre
 
-    @always_comb
-    def copy():
-        wide.next = difference
-
-    @always_comb
-    def negate():
-        opposite.next = -wide
+    copy = ops.widen(difference, wide)
+    negate = ops.negate(wide, opposite)
 
     @always(clk.posedge)
     def keep():
@@ -186,7 +181,7 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
             Stream(valid=value_valid, data=value),
             spec=spec.exp_interpolator,
         ),
-        widen(value, wide_value),
+        connect(value, wide_value),
         multiply,
         delay(clk, rst, value_valid, product_valid, clocks=1),
         requantise(product, height, shift=word_width, rounding=Rounding.ROUND),

@@ -1,12 +1,13 @@
 """Power folding: raises a number to the power P with one multiplier."""
 
-from myhdl import always, always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block, instances
 
 from golden.numbers.fixed import Rounding
 from golden.visualisation.power_fold import PowerFold
+from hdl.common import ops
+from hdl.common.delay import connect
 from hdl.common.requantise import requantise
 from hdl.common.signals import Stream, flag, signed, unsigned
-from hdl.common.widen import widen
 
 
 @block
@@ -26,6 +27,11 @@ def power_fold(clk, rst, in_: Stream, out: Stream, *, spec: PowerFold):
     # are left out.
     uses = unsigned(spec.power_width)
     rounded = flag()
+
+    widen_data = connect(in_.data, wide_data)
+    cut = requantise(wide_data, first, shift=spec.in_frac - spec.out_frac, rounding=Rounding.ROUND)
+    widen_product = connect(product, wide_product)
+    narrow = requantise(wide_product, kept, shift=spec.in_frac, rounding=Rounding.ROUND)
 
     @always_comb
     def alternate():
@@ -50,17 +56,6 @@ def power_fold(clk, rst, in_: Stream, out: Stream, *, spec: PowerFold):
             remaining.next = remaining - 1
         out.valid.next = remaining == 1 and not in_.valid
 
-    @always_comb
-    def show():
-        out.data.next = acc
+    show = ops.widen(acc, out.data)
 
-    return (
-        widen(in_.data, wide_data),
-        requantise(wide_data, first, shift=spec.in_frac - spec.out_frac, rounding=Rounding.ROUND),
-        widen(product, wide_product),
-        requantise(wide_product, kept, shift=spec.in_frac, rounding=Rounding.ROUND),
-        alternate,
-        fold,
-        count,
-        show,
-    )
+    return instances()

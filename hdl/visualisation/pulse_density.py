@@ -3,6 +3,7 @@
 from myhdl import always_comb, always_seq, block
 
 from golden.instruments.uart_instrument import PulseDensity
+from hdl.common import ops
 from hdl.common.signals import flag, unsigned
 
 
@@ -24,17 +25,13 @@ def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
         asked.next = in_data[width:]
         asked.next[sign] = not in_data[sign]
 
-    @always_comb
-    def add():
-        total.next = remainder + asked
+    add = ops.add(remainder, asked, total)
 
     @always_seq(clk.posedge, reset=rst)
     def divide():
         remainder.next = total[width:]
         given.next = total[width]
 
-    @always_comb
-    def show():
-        out_bit.next = given
+    show = ops.widen(given, out_bit)
 
     return offset, add, divide, show

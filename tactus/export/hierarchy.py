@@ -24,6 +24,7 @@ from myhdl._extractHierarchy import _UserVerilogCode, _UserVhdlCode
 
 from golden.common.block import Block
 from golden.common.port import RESET, Port
+from hdl.common import ops
 from hdl.common.lookup import hardware
 from hdl.common.rom import Constants
 from hdl.common.signals import Group, Stream, Words, flag, reset, signed, unsigned
@@ -168,7 +169,9 @@ def _entities(instance: _Block) -> Iterator[_Block]:
             if "spec" in sub.kwargs:
                 yield sub
                 continue
-            name = sub.func.__name__
+            # Operations are counted by themselves: they give no name where a variable does.
+            prefix = "op_" if sub.func.__module__ == ops.__name__ else ""
+            name = f"{prefix}{sub.func.__name__}"
             sub.name = sub.__name__ = f"{name}{count[name]}"
             count[name] += 1
             yield from visit(sub)

@@ -6,7 +6,8 @@ files are not read again and again.
 
 Order: MyHDL declares signals in the order in which a frame lists its names. Python 3.11 first lists
 parameters and other locals in the order in which the code meets them, and then, by alphabet, those
-that an inner function or a comprehension uses. Names that are bound between two looks come last.
+that an inner function or a comprehension uses. Names that are bound between two looks come last. An
+operation of ``hdl.common.ops`` counts as an inner function, since it stands for a process.
 Python 3.12 runs a comprehension in the frame around it, and Python 3.13 keeps no order between
 looks, so both would declare signals in another order. Here all of them do as 3.11 does, so that
 every Python exports the same bytes.
@@ -15,6 +16,9 @@ Ports: MyHDL makes ports only of positional parameters. It names a signal of a g
 parameter and the attribute, even if the parameter ends in an underscore, and it puts the signals of
 all groups behind the other ports. Here every parameter can be a port, ``in_valid`` is made of
 ``in_`` and ``valid``, and the signals of a ``Stream`` stand where the twin puts them.
+
+Conditions: MyHDL converts both branches of an ``if`` inside a process. Here a condition on Python
+numbers alone is decided, so that the variants of a block share one process.
 
 Literals: MyHDL takes the ceiling of a logarithm for the size of a large literal. For a word of ones
 that logarithm is within a rounding error of a whole number, so the ceiling depends on how the
@@ -27,13 +31,14 @@ import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from types import CodeType, FrameType, SimpleNamespace
+from types import CodeType, FrameType, FunctionType, SimpleNamespace
 from typing import Any
 
-from myhdl import _block, _instance, _resolverefs, _util
+from myhdl import _block, _instance, _misc, _resolverefs, _util
 from myhdl._Signal import _Signal
 from myhdl.conversion import _toVerilog, _toVHDL
 
+from hdl.common import ops
 from hdl.common.signals import Group, Stream, Words
 
 
@@ -131,6 +136,9 @@ def _nodes(start: Iterable[ast.AST], skip: Sequence[ast.AST] = ()) -> Iterator[a
 
 
 def _is_scope(node: ast.AST) -> bool:
+    """Whether a node is a function or a comprehension, or an operation, which acts as a process."""
+    if isinstance(node, ast.Call):
+        return ast.unparse(node.func).startswith("ops.")
     return isinstance(node, (*_COMPREHENSIONS, ast.FunctionDef, ast.Lambda))
 
 
@@ -138,6 +146,8 @@ def _handed(scope: ast.AST) -> list[ast.AST]:
     """The parts of a scope that are evaluated around it: first iterable, decorators, defaults."""
     if isinstance(scope, _COMPREHENSIONS):
         return [scope.generators[0].iter]
+    if isinstance(scope, ast.Call):
+        return []
     assert isinstance(scope, (ast.FunctionDef, ast.Lambda))
     defaults = [*scope.args.defaults, *filter(None, scope.args.kw_defaults)]
     return [*getattr(scope, "decorator_list", []), *defaults]
@@ -193,6 +203,55 @@ def _infer_ports(instance: _block._Block) -> None:
         )
 
 
+_update_namespaces = _block._Block._updateNamespaces
+
+
+def _name_operands(instance: _block._Block) -> None:
+    """Also name what an operation takes or gives, as MyHDL names what a process does.
+
+    For blocks, MyHDL only knows the variables that were bound before the first of them.
+    """
+    _update_namespaces(instance)
+    for sub in instance.subs:
+        if isinstance(sub, _block._Block) and sub.func.__module__ == ops.__name__:
+            for name, value in sub.callinfo.symdict.items():
+                if isinstance(value, _Signal) and any(value is operand for operand in sub.args):
+                    instance.symdict.setdefault(name, value)
+                    instance.sigdict.setdefault(name, value)
+
+
+class _Decide(ast.NodeTransformer):
+    """Replaces each condition on Python numbers by the branch that it takes."""
+
+    def __init__(self, function: FunctionType) -> None:
+        self._function = function
+
+    def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
+        self.generic_visit(node)
+        taken = self._taken(node)
+        return node if taken is None else taken
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        self.generic_visit(node)
+        return self._taken(node) or node
+
+    def _taken(self, node: ast.If | ast.IfExp) -> Any:
+        variables = inspect.getclosurevars(self._function)
+        known = {**variables.globals, **variables.nonlocals}
+        names = [inner.id for inner in ast.walk(node.test) if isinstance(inner, ast.Name)]
+        if not all(name in known and isinstance(known[name], int | None) for name in names):
+            return None
+        code = compile(ast.Expression(node.test), "<condition>", "eval")
+        return node.body if eval(code, known) else node.orelse
+
+
+_make_ast = _util._makeAST
+
+
+def _decided_ast(function: FunctionType) -> ast.AST:
+    return _Decide(function).visit(_make_ast(function))
+
+
 def _log(value: int, base: int) -> int:
     """The ceiling of a logarithm to the base 2."""
     if base != 2:
@@ -206,10 +265,14 @@ def install() -> None:
     quick.stack = _stack
     for name in ("getsource", "getsourcefile", "getsourcelines"):
         setattr(quick, name, _once(getattr(inspect, name)))
-    for module in (_block, _instance, _util):
+    # The function ``instances`` only looks at its caller.
+    quick.getouterframes = lambda frame: [(frame,), (frame.f_back,)]
+    for module in (_block, _instance, _misc, _util):
         module.inspect = quick
     _util._dedent = cache(_util._dedent)
     _block._Block._inferInterface = _infer_ports
+    _block._Block._updateNamespaces = _name_operands
+    _instance._makeAST = _decided_ast
     # The attribute of a parameter that ends in an underscore has two of them in a row.
     _resolverefs._suffixer = lambda name, used: _suffixer(name.replace("__", "_"), used)
     for module in (_toVerilog, _toVHDL):
