@@ -1,5 +1,6 @@
 """Exports are reproducible, standard-conforming and readable, and what is added to them runs."""
 
+import ast
 import json
 import re
 import shutil
@@ -12,6 +13,7 @@ from subprocess import CompletedProcess
 import pytest
 import yaml
 from conftest import tiered
+from myhdl import Signal
 from refused import Desk
 from shared import Shared, run
 
@@ -25,6 +27,7 @@ from tactus.core.fingerprint import fingerprint
 from tactus.export import exporter
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.export.hierarchy import convert_hierarchy, elaborate
+from tactus.export.myhdl_changes import decided_ast
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.simulate import QUICK
@@ -359,3 +362,22 @@ def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
     assert (
         "frames: positive := 11;" in (tmp_path / "one" / "vhdl" / "hybrid_vectors.vhd").read_text()
     )
+
+
+def test_conditions_on_python_numbers_are_decided() -> None:
+    def process_of(signal, yes, no):
+        def process():
+            if yes and signal:
+                signal.next = 1 if no else 2
+            elif no or not yes or signal:
+                signal.next = 3
+            if (no and signal) or yes:
+                signal.next = 4
+
+        return process
+
+    decided = ast.unparse(decided_ast(process_of(Signal(False), 1, None)))
+    assert [line.strip() for line in decided.splitlines()[1:]] == [
+        *("if signal:", "signal.next = 2", "elif signal:", "signal.next = 3"),
+        "signal.next = 4",
+    ]

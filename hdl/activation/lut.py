@@ -39,8 +39,6 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
     def keep_product():
         product_late.next = product
 
-    address = ops.bits(product_late, top, shift, addr)
-
     @always(clk.posedge)
     def choose():
         if beyond == 1:
@@ -59,7 +57,7 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
         ),
         scale(mag, product, factor=spec.scale),
         keep_product,
-        address,
+        ops.bits(product_late, top, shift, addr),
         rom(addr, word, words=spec.words, meanings=spec.out_fmt.texts(spec.words)),
         choose,
         delay(clk, rst, segment_valid, word_valid, clocks=1),

@@ -176,8 +176,6 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     remaining = unsigned(max(1, (iterations - 1).bit_length()))
     active, busy = flag(), flag()
 
-    weigh = ops.multiply(late_q, numerator, exact_dividend)
-
     @always_seq(clk.posedge, reset=rst)
     def count():
         if start:
@@ -192,8 +190,6 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     def watch():
         busy.next = remaining != 0
         ready.next = active and remaining == 0
-
-    divide = ops.multiply(dividend, reciprocal, quotient)
 
     @always_comb
     def choose():
@@ -239,7 +235,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             rounding=rounding,
         ),
         delay(clk, None, q, late_q, clocks=3),
-        weigh,
+        ops.multiply(late_q, numerator, exact_dividend),
         # Values of the code in the regression are held until the next code starts, and values of
         # the result until the next result is ready.
         delay(clk, rst, q_valid, start, clocks=3),
@@ -263,7 +259,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             ratio_frac=spec.ratio.out_frac,
             rounding=rounding,
         ),
-        divide,
+        ops.multiply(dividend, reciprocal, quotient),
         hold(clk, ready, quotient, quotient_held),
         hold(clk, ready, negative_held, negative_late),
         hold(clk, ready, beyond_held, beyond_late),

@@ -101,8 +101,6 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     result = unsigned(spec.out_fmt.width - 1)
     a2, a1, a0 = zip(*spec.coeffs, strict=True)
 
-    add_products = ops.add(quadratic, linear, products)
-
     @always(clk.posedge)
     def add_constant():
         total.next = products + aligned
@@ -162,15 +160,8 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
             shift=spec.linear_shift,
             rounding=spec.rounding,
         ),
-        offset(
-            clk,
-            segment,
-            aligned,
-            words=a0,
-            fmt=formats.constant,
-            shift=spec.constant_shift,
-        ),
-        add_products,
+        offset(clk, segment, aligned, words=a0, fmt=formats.constant, shift=spec.constant_shift),
+        ops.add(quadratic, linear, products),
         add_constant,
         denormalise,
         finish,

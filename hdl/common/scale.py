@@ -16,7 +16,4 @@ def scale(data, product, *, factor: int):
     else:
         wide = unsigned(max(len(data), factor.bit_length()))
 
-    widen = ops.widen(data, wide)
-    multiply = ops.multiply(wide, factor, product)
-
-    return widen, multiply
+    return ops.widen(data, wide), ops.multiply(wide, factor, product)

@@ -11,18 +11,7 @@ from hdl.common.signals import fixed, flag, signed, unsigned
 
 @block
 def lane_accumulate(
-    clk,
-    *,
-    word,
-    kind,
-    coeff,
-    opens,
-    acc,
-    high,
-    low,
-    gather=None,
-    other=None,
-    spec: LaneAccumulate,
+    clk, *, word, kind, coeff, opens, acc, high, low, gather=None, other=None, spec: LaneAccumulate
 ):
     """acc = operand x coefficient + (acc, or a start), or acc + the sum of another lane.
 
@@ -59,13 +48,9 @@ def lane_accumulate(
     def mark():
         opening.next = opens
 
-    add = ops.add(base, added, grown)
-
     @always(clk.posedge)
     def store():
         total.next = grown
-
-    look = ops.bits(grown, top, lowest, above)
 
     @always(clk.posedge)
     def compare():
@@ -93,9 +78,9 @@ def lane_accumulate(
         mark,
         prepare,
         gathered(clk, product, gather, other, added, width=spec.acc_width, partners=spec.partners),
-        add,
+        ops.add(base, added, grown),
         store,
-        look,
+        ops.bits(grown, top, lowest, above),
         compare,
         carry,
         connect(total, acc),

@@ -141,12 +141,7 @@ def uart_instrument(
         ]
     if spec.learns:
         target = Stream(
-            valid=flag(),
-            data=fixed(SIGNAL),
-            last=flag(),
-            theta=flag(),
-            ready=flag(),
-            error=flag(),
+            valid=flag(), data=fixed(SIGNAL), last=flag(), theta=flag(), ready=flag(), error=flag()
         )
         theta = Stream(valid=flag(), data=fixed(SIGNAL))
         learn, refused, misread, lost, frame_end = (flag() for _ in range(5))

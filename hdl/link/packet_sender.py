@@ -3,14 +3,7 @@
 from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
 
 from golden.link.packet_sender import PacketSender
-from golden.link.packets import (
-    CHECK_BYTES,
-    CHECK_PRESET,
-    COUNT_BYTES,
-    FRAME,
-    SYNC,
-    kind_byte,
-)
+from golden.link.packets import CHECK_BYTES, CHECK_PRESET, COUNT_BYTES, FRAME, SYNC, kind_byte
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
 from hdl.common.check_byte import check_byte

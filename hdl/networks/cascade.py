@@ -92,10 +92,7 @@ def cascade(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Cascade):
             collector=collector,
         )
     # What each network sees.
-    streams = [
-        first,
-        *(Stream(valid=valid[i], data=data[i], last=last[i]) for i in range(final)),
-    ]
+    streams = [first, *(Stream(valid=valid[i], data=data[i], last=last[i]) for i in range(final))]
     tail = Stream(valid=tail_valid, data=tail_data, last=tail_last)
 
     return (

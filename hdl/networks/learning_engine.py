@@ -1,6 +1,6 @@
 """LearningEngine: an engine that learns the gains and offsets of its sensors."""
 
-from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
+from myhdl import Signal, always, always_comb, always_seq, block, concat, instances, modbv
 
 from golden.engine.formats import (
     DROPPED,
@@ -114,7 +114,6 @@ def learning_engine(
         ready.next = not (busy or keep_busy)
 
     take = ops.both(target.valid, ready, taken)
-
     # A sample or a known output stops everything but a frame, which lets neither of them in.
     stop = ops.either(arrives, taken, stops)
 
@@ -153,6 +152,126 @@ def learning_engine(
         nothing.next = False
 
     @always_comb
+    def report():
+        target.ready.next = ready
+        target.error.next = broken_targets or lost
+        out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        theta.valid.next = theta_leaves
+        theta.data.next = second[WIDTH:OUTPUT_SHIFT].signed()
+        out.last.next = frame_finish
+
+    @always_comb
+    def split():
+        source.next = word[source_top:source_low]
+        kind.next = word[kind_top:kind_low]
+        first.next = word[first_bit]
+        first_of_output.next = word[first_of_output_bit]
+
+    recognise = ops.equal(kind, 1, intercept)
+
+    # The address of a second word stands where a weight does, and is used a clock sooner.
+    @always(clk.posedge)
+    def keep():
+        kept.next = word[WIDTH:]
+        kept_late.next = kept
+        product.next = word[product_bit]
+        product_late.next = product
+        look_up.next = kind == 1 or kind == 2
+
+    @always_comb
+    def name():
+        if telling:
+            second_source.next = asked
+        else:
+            second_source.next = kept[addr_width:]
+
+    @always_comb
+    def weigh():
+        if product_late:
+            weight.next = concat(
+                second[sign_bit], second[sign_bit], second[sign_bit], second[WIDTH:SHORT]
+            )
+        else:
+            weight.next = kept_late
+
+    # Words that were on their way when a part was stopped do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = active and word[store_bit]
+        leaves.next = frame_run and word[store_bit] and word[output_bit]
+        places_next.next = active and word[output_bit] and not word[store_bit]
+        ends.next = active and word[end_bit] and word[store_bit]
+        jump.next = active and word[end_bit] and not word[store_bit]
+        wrote.next = active and store
+        finish.next = active and ends
+        out.valid.next = leaves
+
+    @always(clk.posedge)
+    def place():
+        if places_next:
+            result_low.next = kept[half_width:]
+            result_top.next = kept[top_bit]
+        elif wrote:
+            result_low.next = result_low + 1
+
+    join = ops.join(result_top, result_low, result_source)
+
+    # Until a step has been taken, a frame clears the theta in use. An equation, and any later
+    # frame, writes the other one.
+    @always_comb
+    def choose_bank():
+        write_bank.next = bank == (frame_run and not stepped)
+
+    @always_comb
+    def widen():
+        sample_place.next = sample_addr
+        target_place.next = target_addr[target_bits:]
+
+    @always_comb
+    def direct():
+        write.next = sample_write or target_write or wrote
+        if sample_write:
+            write_addr.next = samples | sample_place
+        elif target_write and not putting:
+            write_addr.next = targets | target_place
+        else:
+            write_addr.next = result_addr
+
+    @always_comb
+    def bring():
+        if arrives:
+            incoming.next = in_.data
+        else:
+            incoming.next = target.data
+
+    lowest, end = DROPPED + WIDTH - 1, spec.acc_width
+    above = unsigned(end - lowest)
+    ones = (1 << (end - lowest)) - 1
+
+    look = ops.bits(acc, end, lowest, above)
+
+    @always_comb
+    def compare():
+        beyond.next = above != 0 and above != ones
+
+    @always(clk.posedge)
+    def follow():
+        over.next = beyond
+
+    @always_comb
+    def judge():
+        of_theta.next = wrote and over and not result_top and result_low[theta_bit]
+
+    sentence = ops.either(spoiled, of_theta, bad)
+
+    @always(clk.posedge)
+    def spoil():
+        if opening:
+            spoiled.next = False
+        elif of_theta:
+            spoiled.next = True
+
+    @always_comb
     def measure():
         if target.theta:
             before_last.next = theta_less_two
@@ -183,14 +302,29 @@ def learning_engine(
     def delay_equations():
         waits.next = stops or telling or partly
 
+    count = ops.widen(unread, unread_place)
+    point = ops.add(theta_low, unread_place, asked)
+    # A word of theta goes to the bank that is not in use, as a result does.
+    place_theta = ops.add(theta_low, target_place, theta_place)
+
     @always_comb
-    def report():
-        target.ready.next = ready
-        target.error.next = broken_targets or lost
-        out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
-        theta.valid.next = theta_leaves
-        theta.data.next = second[WIDTH:OUTPUT_SHIFT].signed()
-        out.last.next = frame_finish
+    def locate():
+        if target_write:
+            part_addr.next = theta_place
+        else:
+            part_addr.next = result_source
+
+    # A word has come in as a sample does, and theta is in the format of what leaves.
+    @always_comb
+    def scale():
+        put_word.next = concat(data[less:], nothing).signed()
+
+    @always_comb
+    def choose_word():
+        if target_write and putting:
+            kept_word.next = put_word
+        else:
+            kept_word.next = data
 
     control = (
         frame_check(
@@ -258,143 +392,6 @@ def learning_engine(
             design=spec,
         ),
     )
-
-    @always_comb
-    def split():
-        source.next = word[source_top:source_low]
-        kind.next = word[kind_top:kind_low]
-        first.next = word[first_bit]
-        first_of_output.next = word[first_of_output_bit]
-
-    recognise = ops.equal(kind, 1, intercept)
-
-    # The address of a second word stands where a weight does, and is used a clock sooner.
-    @always(clk.posedge)
-    def keep():
-        kept.next = word[WIDTH:]
-        kept_late.next = kept
-        product.next = word[product_bit]
-        product_late.next = product
-        look_up.next = kind == 1 or kind == 2
-
-    count = ops.widen(unread, unread_place)
-    point = ops.add(theta_low, unread_place, asked)
-
-    @always_comb
-    def name():
-        if telling:
-            second_source.next = asked
-        else:
-            second_source.next = kept[addr_width:]
-
-    @always_comb
-    def weigh():
-        if product_late:
-            weight.next = concat(
-                second[sign_bit], second[sign_bit], second[sign_bit], second[WIDTH:SHORT]
-            )
-        else:
-            weight.next = kept_late
-
-    # Words that were on their way when a part was stopped do nothing.
-    @always_seq(clk.posedge, reset=rst)
-    def mark():
-        store.next = active and word[store_bit]
-        leaves.next = frame_run and word[store_bit] and word[output_bit]
-        places_next.next = active and word[output_bit] and not word[store_bit]
-        ends.next = active and word[end_bit] and word[store_bit]
-        jump.next = active and word[end_bit] and not word[store_bit]
-        wrote.next = active and store
-        finish.next = active and ends
-        out.valid.next = leaves
-
-    @always(clk.posedge)
-    def place():
-        if places_next:
-            result_low.next = kept[half_width:]
-            result_top.next = kept[top_bit]
-        elif wrote:
-            result_low.next = result_low + 1
-
-    join = ops.join(result_top, result_low, result_source)
-
-    # Until a step has been taken, a frame clears the theta in use. An equation, and any later
-    # frame, writes the other one.
-    @always_comb
-    def choose_bank():
-        write_bank.next = bank == (frame_run and not stepped)
-
-    @always_comb
-    def widen():
-        sample_place.next = sample_addr
-        target_place.next = target_addr[target_bits:]
-
-    # A word of theta goes to the bank that is not in use, as a result does.
-    place_theta = ops.add(theta_low, target_place, theta_place)
-
-    @always_comb
-    def locate():
-        if target_write:
-            part_addr.next = theta_place
-        else:
-            part_addr.next = result_source
-
-    @always_comb
-    def direct():
-        write.next = sample_write or target_write or wrote
-        if sample_write:
-            write_addr.next = samples | sample_place
-        elif target_write and not putting:
-            write_addr.next = targets | target_place
-        else:
-            write_addr.next = result_addr
-
-    # A word has come in as a sample does, and theta is in the format of what leaves.
-    @always_comb
-    def scale():
-        put_word.next = concat(data[less:], nothing).signed()
-
-    @always_comb
-    def choose_word():
-        if target_write and putting:
-            kept_word.next = put_word
-        else:
-            kept_word.next = data
-
-    @always_comb
-    def bring():
-        if arrives:
-            incoming.next = in_.data
-        else:
-            incoming.next = target.data
-
-    lowest, end = DROPPED + WIDTH - 1, spec.acc_width
-    above = unsigned(end - lowest)
-    ones = (1 << (end - lowest)) - 1
-
-    look = ops.bits(acc, end, lowest, above)
-
-    @always_comb
-    def compare():
-        beyond.next = above != 0 and above != ones
-
-    @always(clk.posedge)
-    def follow():
-        over.next = beyond
-
-    @always_comb
-    def judge():
-        of_theta.next = wrote and over and not result_top and result_low[theta_bit]
-
-    sentence = ops.either(spoiled, of_theta, bad)
-
-    @always(clk.posedge)
-    def spoil():
-        if opening:
-            spoiled.next = False
-        elif of_theta:
-            spoiled.next = True
-
     written_words = {"write": write, "write_addr": write_addr, "data": kept_word}
     memory = spec.operand_memory
     # Two memories with the same words, because two are read in a clock.
@@ -402,43 +399,23 @@ def learning_engine(
         operand_memory(clk, **written_words, read_addr=read_addr, word=read, spec=memory),
         operand_memory(clk, **written_words, read_addr=second_addr, word=second, spec=memory),
     )
-    return (
-        *(see, meet, take, stop, work, guard, remember, meet_ends, remember_ends, hold, report),
-        *(
-            split,
-            recognise,
-            keep,
-            name,
-            weigh,
-            mark,
-            place,
-            join,
-            choose_bank,
-            widen,
-            direct,
-            bring,
-        ),
-        *(look, compare, follow, judge, sentence, spoil),
-        *(measure, note, tell, delay_equations, count, point, place_theta, locate, scale),
-        choose_word,
-        control,
-        memories,
-        lesson_address(source, bank, shown, read_addr, places=places),
-        lesson_address(second_source, bank, shown, second_addr, places=places),
-        lesson_address(part_addr, write_bank, written, result_addr, places=places),
-        delay(clk, None, intercept, take_intercept, clocks=2),
-        table_address(clk, read, segment, spec=spec.table_address),
-        operand_select(clk, read, kind, operand, spec=spec.operand_select),
-        multiply_accumulate(
-            clk,
-            operand=operand,
-            weight=weight,
-            take_intercept=take_intercept,
-            table_word=table_word,
-            first=first,
-            first_of_output=first_of_output,
-            acc=acc,
-            spec=spec.multiply_accumulate,
-        ),
-        round_saturate(clk, active, acc, incoming, data, spec=spec.round_saturate),
+    find_word = lesson_address(source, bank, shown, read_addr, places=places)
+    find_second = lesson_address(second_source, bank, shown, second_addr, places=places)
+    find_result = lesson_address(part_addr, write_bank, written, result_addr, places=places)
+    late_intercept = delay(clk, None, intercept, take_intercept, clocks=2)
+    find_segment = table_address(clk, read, segment, spec=spec.table_address)
+    select = operand_select(clk, read, kind, operand, spec=spec.operand_select)
+    accumulate = multiply_accumulate(
+        clk,
+        operand=operand,
+        weight=weight,
+        take_intercept=take_intercept,
+        table_word=table_word,
+        first=first,
+        first_of_output=first_of_output,
+        acc=acc,
+        spec=spec.multiply_accumulate,
     )
+    finish_sum = round_saturate(clk, active, acc, incoming, data, spec=spec.round_saturate)
+
+    return instances()

@@ -228,27 +228,40 @@ class _Decide(ast.NodeTransformer):
 
     def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
         self.generic_visit(node)
-        taken = self._taken(node)
-        return node if taken is None else taken
+        known = self._known(node.test)
+        return node if known is None else node.body if known else node.orelse
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
         self.generic_visit(node)
-        return self._taken(node) or node
+        known = self._known(node.test)
+        return node if known is None else node.body if known else node.orelse
 
-    def _taken(self, node: ast.If | ast.IfExp) -> Any:
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        """Leaves out what is known, or all, if that decides."""
+        self.generic_visit(node)
+        decisive = isinstance(node.op, ast.Or)
+        known = [self._known(value) for value in node.values]
+        rest = [value for value, fact in zip(node.values, known, strict=True) if fact is None]
+        if decisive in known or not rest:
+            result = decisive if decisive in known else not decisive
+            return ast.copy_location(ast.Constant(result), node)
+        node.values = rest
+        return node if len(rest) > 1 else rest[0]
+
+    def _known(self, test: ast.expr) -> bool | None:
         variables = inspect.getclosurevars(self._function)
-        known = {**variables.globals, **variables.nonlocals}
-        names = [inner.id for inner in ast.walk(node.test) if isinstance(inner, ast.Name)]
-        if not all(name in known and isinstance(known[name], int | None) for name in names):
+        values = {**variables.globals, **variables.nonlocals}
+        names = [node.id for node in ast.walk(test) if isinstance(node, ast.Name)]
+        if not all(name in values and isinstance(values[name], int | None) for name in names):
             return None
-        code = compile(ast.Expression(node.test), "<condition>", "eval")
-        return node.body if eval(code, known) else node.orelse
+        return bool(eval(compile(ast.Expression(test), "<condition>", "eval"), values))
 
 
 _make_ast = _util._makeAST
 
 
-def _decided_ast(function: FunctionType) -> ast.AST:
+def decided_ast(function: FunctionType) -> ast.AST:
+    """The source of a process, as MyHDL reads it."""
     return _Decide(function).visit(_make_ast(function))
 
 
@@ -272,7 +285,7 @@ def install() -> None:
     _util._dedent = cache(_util._dedent)
     _block._Block._inferInterface = _infer_ports
     _block._Block._updateNamespaces = _name_operands
-    _instance._makeAST = _decided_ast
+    _instance._makeAST = decided_ast
     # The attribute of a parameter that ends in an underscore has two of them in a row.
     _resolverefs._suffixer = lambda name, used: _suffixer(name.replace("__", "_"), used)
     for module in (_toVerilog, _toVHDL):
