@@ -19,7 +19,7 @@ from tactus.core.fingerprint import ROOT
 from tactus.errors import held_out_means
 from tactus.report.draw import run_time
 from tactus.report.draw.datapath import datapath
-from tactus.report.draw.load import beam, has_load, profile
+from tactus.report.draw.load import drawn, has_load, load_profile
 from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
 from tactus.report.draw.pictures import Skipped, pictures
@@ -48,7 +48,7 @@ def drawn_waveforms(scene: Scene) -> str:
     return waveforms([flag(0, 1, 1), data(0, 1, -8192)], f"Two elements of scene {scene.name}")
 
 
-PICTURES = (network, datapath, drawn_waveforms, profile)
+PICTURES = (network, datapath, drawn_waveforms, load_profile)
 
 
 def parse(text: str) -> ElementTree.Element:
@@ -175,19 +175,8 @@ def test_outputs_at_once_are_recorded_too(tmp_path: Path) -> None:
 
 
 def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
-    for draw in (lambda s, f: simulate_frame(s, f, build), profile):
-        with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
-            draw(load_scene("digit"), 143)
-
-
-@pytest.mark.parametrize("name", ["digit", "digit-load", "swing-single"])
-def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
-    scene = load_scene(name)
-    if {"load", "position", "width", "shape"} <= set(scene.outputs):
-        parse(profile(scene))
-    else:
-        with pytest.raises(InputError, match=rf"{name}.toml: data.outputs: got .* to draw"):
-            profile(scene)
+    with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
+        simulate_frame(load_scene("digit"), 143, build)
 
 
 @pytest.mark.parametrize(
@@ -195,29 +184,29 @@ def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
 )
 def test_outputs_of_those_names_alone_are_no_load(change: dict) -> None:
     """Examples are a load in grams, or a width of unknown length."""
-    scene = replace(load_scene("digit"), **change)
     assert has_load(load_scene("digit"))
-    assert not has_load(scene)
-    with pytest.raises(InputError, match="with length_mm and without scale"):
-        beam(scene)
+    assert not has_load(replace(load_scene("digit"), **change))
 
 
 def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
     scene = load_scene("digit-instrument")
-    known = beam(scene)
     codes = scene.vectors().codes
-    readout = scene.twin().readout
-    expected = readout.profile(scene.twin().process(codes))[1]
+    profile = scene.twin().readout.profile
+    outputs = scene.twin().process(codes)
+    expected = profile(outputs)[1]
     for frame in (0, 100, 142):
-        assert known.drawn(frame).tolist() == SIGNAL.to_real(expected[frame]).tolist()
-        at = known.positions
-        real = known.profile.real(known.frames[frame])
-        assert np.allclose(known.exact(frame, at), real, rtol=0, atol=1e-12)
-    at, height = known.true(0)
+        known = drawn(scene, frame)
+        at, heights = known.points
+        assert heights.tolist() == SIGNAL.to_real(expected[frame]).tolist()
+        frames = outputs[frame, list(scene.visualisation.results)]
+        real = scene.visualisation.load_profile.real(frames)
+        assert np.allclose(known.exact(at), real, rtol=0, atol=1e-12)
+    at, height = drawn(scene, 0).true
     # Load A is 50.8 mm wide, and its first placement is 31.75 mm from the tip.
     assert at.round(2).tolist() == [6.35, 6.35, 57.15, 57.15]
     assert height.tolist() == [0.0, 0.9, 0.9, 0.0]
-    assert known.true(142)[1].tolist() == [0.0, 0.6261, 0.0]
+    assert drawn(scene, 142).true[1].tolist() == [0.0, 0.6261, 0.0]
+    parse(load_profile(scene))
 
 
 def test_designs_are_those_of_four_outputs_within_a_scan(monkeypatch) -> None:

@@ -1,80 +1,34 @@
 """The load along the beam, as the hardware of a scene draws it and as it was recorded."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.input_error import InputError
-from golden.numbers.fixed import Codes
 from golden.numbers.real import Real
-from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, power_load
+from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, power_load
 from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene
-from tactus.scene.visualisation import RESULTS, VISUALISATION, Visualisation, visualisation
+from tactus.scene.visualisation import RESULTS, VISUALISATION, visualisation
 
 # The first recorded frames have the widest load. In this frame it is in the middle of the ramp.
 FRAME = 4
+POINTS = 400
 
 
 @dataclass(frozen=True)
-class Beam:
-    """What the profile of a scene needs.
+class Drawn:
+    """A recorded frame as the hardware draws it, and as it was recorded; positions are in mm.
 
-    shown: The section of the scene, or its defaults if there is none.
-    frames, shape (frames, 4): The bit-true load, position, width and shape of every recorded frame.
-    targets, shape (frames, 4): The recorded load, position, width and shape.
-    sensors: shape (frames, sensors).
-    mm: How many millimetres a coded position of 1 is.
-    width_unit: How much a coded width of 1 is in the unit of the position.
+    points: The positions and heights of the points that the hardware draws.
+    exact: Equation 3.18 in real arithmetic for the same outputs, at any positions.
+    true: The positions and heights of the corners of the recorded load.
     """
 
-    shown: Visualisation
-    frames: Codes
-    targets: Real
-    sensors: Real
-    mm: float
-    width_unit: float
-
-    @property
-    def profile(self) -> LoadProfile:
-        return self.shown.load_profile
-
-    @property
-    def positions(self) -> Real:
-        """The positions of the points that the hardware draws, in millimetres."""
-        return self.mm * self.profile.fmt.to_real(self.profile.ramp.process())
-
-    def drawn(self, frame: int) -> Real:
-        """The bit-true profile of a frame, with one value for each point."""
-        return self.profile.fmt.to_real(self.profile.process(self.frames[frame])[1])
-
-    def exact(self, frame: int, millimetres: Real) -> Real:
-        """Equation 3.18 in real arithmetic for the same outputs, at any positions."""
-        load, centre, width, _ = self.profile.fmt.to_real(self.frames[frame])
-        gain = self.profile.divider.gain / 2**self.profile.divider.gain_frac
-        steepness = gain / max(width, self.profile.fmt.to_real(1))
-        triangle = self.frames[frame, 3] > self.profile.shape_threshold
-        power = TRIANGLE if triangle else RECTANGLE
-        return power_load(millimetres / self.mm, load, centre, steepness, power)
-
-    def check(self, frame: int, path: Path) -> None:
-        """Refuse a frame that the vectors of the scene at ``path`` do not have."""
-        if not 0 <= frame < len(self.frames):
-            raise InputError(f"{path}: frame: got {frame}, expected 0 to {len(self.frames) - 1}")
-
-    def true(self, frame: int) -> tuple[Real, Real]:
-        """The corners of the recorded load: millimetres and heights."""
-        load, centre, width, shape = self.targets[frame]
-        half = width * self.width_unit / 2
-        left, right = centre - half, centre + half
-        if shape > self.profile.fmt.to_real(self.profile.shape_threshold):
-            corners = [(left, 0.0), (centre, load), (right, 0.0)]
-        else:
-            corners = [(left, 0.0), (left, load), (right, load), (right, 0.0)]
-        at, height = np.array(corners).T
-        return self.mm * at, height
+    points: tuple[Real, Real]
+    exact: Callable[[Real], Real]
+    true: tuple[Real, Real]
 
 
 def has_load(scene: Scene) -> bool:
@@ -86,17 +40,8 @@ def has_load(scene: Scene) -> bool:
     )
 
 
-def beam(scene: Scene) -> Beam:
-    """The recorded frames of a scene and the outputs of its networks for them.
-
-    scene: A scene for which ``has_load`` is true.
-    """
-    if not has_load(scene):
-        raise InputError(
-            f"{scene.path}: data.outputs: got {', '.join(scene.outputs)}, expected "
-            f"{', '.join(RESULTS)} among them, with length_mm and without scale, or a section "
-            "[visualisation], to draw the load"
-        )
+def drawn(scene: Scene, frame: int) -> Drawn:
+    """A recorded frame of a scene that has a load; without a section its defaults are used."""
     shown = scene.visualisation
     if shown is None:
         data = {
@@ -110,56 +55,57 @@ def beam(scene: Scene) -> Beam:
         shown = visualisation(values, scene.path)
     assert shown is not None, "the section is there"
     vectors, results = scene.vectors(), list(shown.results)
-    position, width = (
+    # What a coded position and a coded width of 1 are.
+    mm, wide = (
         scene.length_mm[name] / scene.full_scale[name]
         for name in (scene.outputs[shown.results[1]], scene.outputs[shown.results[2]])
     )
-    return Beam(
-        shown,
-        scene.twin().core.process(vectors.codes)[:, results],
-        vectors.targets[:, results],
-        vectors.inputs,
-        position,
-        width / position,
+    profile = shown.load_profile
+    real = profile.fmt.to_real
+    codes = scene.twin().core.process(vectors.codes[[frame]])[0, results]
+    load, centre, width, _ = real(codes)
+    steepness = profile.divider.gain / 2**profile.divider.gain_frac / max(width, real(1))
+    power = TRIANGLE if codes[3] > profile.shape_threshold else RECTANGLE
+    height, middle, width, shape = vectors.targets[frame, results]
+    left, right = mm * middle - wide * width / 2, mm * middle + wide * width / 2
+    corners = [(left, 0.0), (left, height), (right, height), (right, 0.0)]
+    if shape > real(profile.shape_threshold):
+        corners[1:3] = [(mm * middle, height)]
+    at, heights = np.array(corners).T
+    return Drawn(
+        (mm * real(profile.ramp.process()), real(profile.process(codes)[1])),
+        lambda millimetres: power_load(millimetres / mm, load, centre, steepness, power),
+        (at, heights),
     )
 
 
-POINTS = 400
-
-
-def profile(scene: Scene, frame: int = FRAME) -> str:
+def load_profile(scene: Scene) -> str:
     """The bit-true profile, equation 3.18 in real arithmetic, and the recorded load.
 
-    scene: A scene with load, position, width and shape among its outputs. If it has no section
-        ``[visualisation]``, the defaults are used.
-    frame: Row of the scene's recorded vectors.
+    scene: One for which ``has_load`` is true.
 
     Returns: One ``<svg>`` element.
     """
-    known = beam(scene)
-    known.check(frame, scene.path)
-    at, height = known.true(frame)
-    left = min(known.positions[0], at[0])
-    right = max(known.positions[-1], at[-1])
+    frame = min(FRAME, len(scene.vectors().codes) - 1)
+    known = drawn(scene, frame)
+    (positions, heights), (at, height) = known.points, known.true
+    left, right = min(positions[0], at[0]), max(positions[-1], at[-1])
     fine = np.linspace(left, right, POINTS)
     with style():
         figure = Figure(figsize=PLOT_INCHES, layout="constrained")
         axes = figure.add_subplot()
-        ends = np.array([left]), np.array([right])
         axes.plot(
-            np.concatenate([ends[0], at, ends[1]]),
+            np.concatenate([[left], at, [right]]),
             np.concatenate([[0.0], height, [0.0]]),
             color="0.45",
             linewidth=0.8,
             label="recorded load",
         )
-        axes.plot(fine, known.exact(frame, fine), color="C0", label="equation 3.18, real")
-        axes.plot(
-            known.positions, known.drawn(frame), "o", color="k", label="equation 3.18, bit-true"
-        )
+        axes.plot(fine, known.exact(fine), color="C0", label="equation 3.18, real")
+        axes.plot(positions, heights, "o", color="k", label="equation 3.18, bit-true")
         axes.set_xlabel("position along the beam, mm")
         axes.set_ylabel("load, coded")
-        axes.set_ylim(bottom=min(0.0, float(known.drawn(frame).min())) - 0.02)
+        axes.set_ylim(bottom=min(0.0, float(heights.min())) - 0.02)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
         title = f"Load profile of recorded frame {frame} of scene {scene.name}"
         return svg(figure, "profile", title)

@@ -8,7 +8,7 @@ from golden.common.block import walk
 from golden.networks.table_sums import learned
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.learned import learned_curves
-from tactus.report.draw.load import has_load, profile
+from tactus.report.draw.load import has_load, load_profile
 from tactus.report.draw.network import network
 from tactus.report.draw.svg import Picture
 from tactus.report.draw.waveforms import waveforms
@@ -79,7 +79,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         yield Picture(
             "load_profile",
             "Load profile of a recorded frame",
-            profile(scene),
+            load_profile(scene),
             "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
             "outputs, and the load that was recorded.",
         )
