@@ -294,7 +294,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
-    command = [sys.executable, "-m", "tactus.cli.image", "digit-single"]
+    command = [sys.executable, "-m", "tactus.scene.image", "digit-single"]
     result = run(*command, "--hardware", small, "--build", tmp_path)
     assert result.returncode == 2
     assert "the image needs 40 operand words, there are 32" in result.stderr

@@ -279,7 +279,7 @@ COMMANDS = (
         "Writes the image with which a reloadable engine runs the networks of a scene. "
         "HARDWARE= names the scene whose hardware runs it, if that is another one.",
         (RELOADED_SCENE, HARDWARE),
-        "tactus.cli.image",
+        "tactus.scene.image",
     ),
     Command(
         "monitor",

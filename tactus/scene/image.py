@@ -1,12 +1,16 @@
-"""The image of a scene, for its own hardware or for that of another scene, and its files."""
+"""``make image``: the image of a scene, for its own hardware or for that of another one."""
 
+import sys
 from pathlib import Path
 
 from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
+from tactus.scene import load_scene
 from tactus.scene.scene import Scene
 
 
@@ -73,3 +77,23 @@ def hardware_of(scene: Scene) -> Engine:
         f"{scene.path}: hardware.reload: got false, expected true, or HARDWARE= with a "
         "scene whose engine can be reloaded"
     )
+
+
+def main() -> None:
+    arguments = arguments_of("image", __doc__)
+    scene = load_scene(arguments.scene)
+    hardware = load_scene(arguments.hardware) if arguments.hardware else scene
+    image = scene_image(scene, hardware_of(hardware))
+    folder = arguments.build / scene.name / "image"
+    stop_if_dry_run(f"write {folder}")
+    write_image(image, scene.name, folder)
+    sizes, data = image.sizes, image.to_bytes()
+    print(
+        f"wrote {folder}, {len(image.words)} of {sizes.words} words of tables, weights and "
+        f"program, {image.program.addresses} of {sizes.operand_words} operand words, "
+        f"{len(data)} bytes, check {data[-2:].hex()}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
