@@ -23,7 +23,7 @@ from tactus.verify.benches.collected import CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
 from tactus.verify.benches.tools import language
 from tactus.verify.benches.written import scene_of
-from tactus.verify.sign_off.subject import first
+from tactus.verify.sign_off.record import first
 
 # If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
@@ -98,7 +98,7 @@ class Shared:
         return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
-        """The entity that represents a block (``tactus.verify.sign_off.subject``), on the shared
+        """The entity that represents a block (``tactus.verify.sign_off.record``), on the shared
         exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 

@@ -31,13 +31,13 @@ from tactus.certify.delivered import (
     CertifyOptions,
     StepResult,
     check,
+    frames_of,
     given_text,
     read_results,
     write_cells,
 )
 from tactus.certify.page import bench_result, bench_table
 from tactus.certify.proofs import write_formulas
-from tactus.certify.recordings import frames_of
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.benches.written import scene_of

@@ -21,11 +21,10 @@ from golden.networks.engine import Engine
 from golden.trained.dense import Dense, layers_of, network_of
 from tactus.monitor import load as loading
 from tactus.monitor import record as recording
-from tactus.monitor.board import Board, board_of
+from tactus.monitor.board import Board, board_of, nearest_row
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.placements import nearest_row
 from tactus.monitor.ports import open_line
 from tactus.monitor.record import read_label, typed
 from tactus.monitor.twin_board import TwinBoard

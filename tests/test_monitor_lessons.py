@@ -24,10 +24,9 @@ from golden.input_error import InputError
 from golden.link.packets import lesson_packet
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.monitor.board import Board
+from tactus.monitor.board import Board, Drift
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import NOT_SENT, Monitor
-from tactus.monitor.placements import Drift
 from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard, TwinLessons
 from tactus.recalibration.fit import fit

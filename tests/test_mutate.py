@@ -28,8 +28,7 @@ from tactus.verify.sign_off.mutate.mutants import (
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tactus.verify.sign_off.mutate.score import COUNT, Subject, describe, prepare, run_bench
-from tactus.verify.sign_off.record import read_record, records
-from tactus.verify.sign_off.subject import recorded_cases
+from tactus.verify.sign_off.record import read_record, recorded_cases, records
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

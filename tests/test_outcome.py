@@ -28,10 +28,17 @@ from tactus.errors import (
 )
 from tactus.network_files.network_file import provenance_path, save_network, write_network
 from tactus.report.draw.outcome import disturbance_plots, predicted_plots
-from tactus.report.measure.disturbance import NONE, noise_and_drift
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.networks import scenes as every_scene
-from tactus.report.measure.outcome import SURE, Outcome, confidence, outcome, sensors
+from tactus.report.measure.outcome import (
+    NONE,
+    SURE,
+    Outcome,
+    confidence,
+    noise_and_drift,
+    outcome,
+    sensors,
+)
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance

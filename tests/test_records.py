@@ -25,24 +25,22 @@ from tactus.verify.benches.collected import BENCHES, PROOFS, properties_of
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.sign_off import coverage, equal, prove, record
 from tactus.verify.sign_off.coverage import named_by
-from tactus.verify.sign_off.equal import Pair, netlist_of
-from tactus.verify.sign_off.equal_gates import synthesise
-from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
-from tactus.verify.sign_off.equal_proof import compare
-from tactus.verify.sign_off.netlist_record import KIND as NETLIST
-from tactus.verify.sign_off.netlist_record import SCENES, families_of
+from tactus.verify.sign_off.equal import Pair, compare, netlist_of
+from tactus.verify.sign_off.equal_netlist import list_lengths, synthesise, to_verilog
+from tactus.verify.sign_off.netlist import KIND as NETLIST
+from tactus.verify.sign_off.netlist import SCENES, families_of
 from tactus.verify.sign_off.record import (
     COMMANDS,
     another_trace,
     of_this_verilog,
     read_record,
+    recorded_cases,
     records,
     short,
     stale_records,
     verilog,
 )
 from tactus.verify.sign_off.solver import Answer, Inquiry
-from tactus.verify.sign_off.subject import recorded_cases
 from tactus.verify.sign_off.unknown import UNKNOWN
 from tb.common.coverage import Coverage, add, missing
 from tb.common.properties import Property

@@ -14,8 +14,7 @@ from shared import Shared
 from tactus.core.fingerprint import ROOT
 from tactus.report.measure.table import Table
 from tactus.report.page import build
-from tactus.report.page.content import content
-from tactus.report.page.page import Page, Section
+from tactus.report.page.content import Page, Section, content
 from tactus.scene import load_scene
 from tactus.scene.reading import scene_path
 from tactus.verify.benches.runner import BUILD

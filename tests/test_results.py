@@ -344,7 +344,7 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
         TWIN,
         "tb/layers/tb_output_controller.py",
         "tb/common/bench.py",
-        "tactus/report/measure/disturbance.py",
+        "tactus/report/measure/outcome.py",
         "tactus/verify/sign_off/mutate/same.py",
     ):
         sources.add(file, COMMENT)

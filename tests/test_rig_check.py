@@ -19,8 +19,15 @@ from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.export.__main__ import export_scene
 from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
-from tactus.rig.predict import predict, readings_of, write_prediction
-from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
+from tactus.rig.predict import (
+    UNLIKE,
+    TrainedOn,
+    learnt,
+    predict,
+    readings_of,
+    trained_on,
+    write_prediction,
+)
 from tactus.scene import Scene, load_scene
 from tactus.train.split import split_story
 from tactus.verify.benches.written import write_scene

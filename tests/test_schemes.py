@@ -28,8 +28,7 @@ from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, cut
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from golden.numbers.transcendental import tanh_floors
-from tactus.report.activations import plot_file
-from tactus.report.measure.activation_errors import FACTORS
+from tactus.report.activations import FACTORS, plot_file
 from tactus.report.measure.table import Table, read_csv
 from tactus.scene.data import NUMBERS
 

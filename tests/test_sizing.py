@@ -16,8 +16,7 @@ from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import compared
 from tactus.sizing.candidates import Sized
-from tactus.sizing.exact import block_rams, multipliers
-from tactus.sizing.features import features_of, luts_of
+from tactus.sizing.features import block_rams, features_of, luts_of, multipliers
 from tactus.sizing.model import Held, clock_of, held_out, placed, recorded
 from tactus.synth.sizing import EXTRAS, networks, row_of
 from tactus.synth.timing import read_timing

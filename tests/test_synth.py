@@ -12,7 +12,7 @@ from golden.common.block import walk
 from golden.input_error import InputError, MissingFileError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.numbers.fixed import Fix
-from tactus.report.page.datasheets import COMPARED
+from tactus.report.page.blocks import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
 from tactus.synth import budget
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
@@ -33,7 +33,7 @@ from tactus.synth.tools import digest, run_tool
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.sign_off.cell_models import models_for
 from tactus.verify.sign_off.netlist import on_cells
-from tactus.verify.sign_off.netlist_record import played
+from tactus.verify.sign_off.netlist import played
 from tactus.verify.sign_off.record import read_record
 from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 

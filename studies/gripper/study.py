@@ -13,8 +13,7 @@ from golden.numbers.real import Real
 from studies.beans.study import fetched
 from tactus.core.files import replace_file
 from tactus.core.table import read_csv_file
-from tactus.rig.predict import readings_of
-from tactus.rig.trained_on import outputs_of
+from tactus.rig.predict import outputs_of, readings_of
 from tactus.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parent

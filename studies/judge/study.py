@@ -42,7 +42,7 @@ from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequ
 from tactus.verify.every_frame.specify import description
 from tactus.verify.every_frame.sums import Space, UnsupportedError
 from tactus.verify.prove import hardware, play
-from tactus.verify.sign_off.equal_proof import compare
+from tactus.verify.sign_off.equal import compare
 from tactus.verify.sign_off.mutate.same import SAME, STEPS, ask
 
 ROOT = Path(__file__).parents[2]

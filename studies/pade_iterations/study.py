@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from golden.activation.pade import stable_below
 from golden.activation.schemes import SCHEMES
-from tactus.report.measure.activation_errors import THESIS_FACTOR, measured
+from tactus.report.activations import THESIS_FACTOR, measured
 from tactus.report.measure.table import Cell
 
 RHOS = (1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 6.0, 8.0)

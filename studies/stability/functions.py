@@ -13,7 +13,7 @@ from golden.numbers.real import Real
 from golden.visualisation.load_profile import RECTANGLE, LoadProfile, load_profile, power_load
 from studies.stability.case import Row, largest, worst
 from studies.stability.digits import DIGITS, harmonic_sum
-from tactus.report.measure.activation_errors import built
+from tactus.report.activations import built
 
 FACTORS = (1, 5, 512)
 # With these, the regression settles only up to |q| of 1.447 and 2.371.

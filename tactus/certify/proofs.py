@@ -30,9 +30,8 @@ from tactus.verify import every_frame
 from tactus.verify.benches.collected import properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.every_frame.specify import description
-from tactus.verify.sign_off.equal_gates import dump, read_dump
-from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
-from tactus.verify.sign_off.equal_proof import WRITES, WRITES_TEXT, proof_script
+from tactus.verify.sign_off.equal import WRITES, WRITES_TEXT, proof_script
+from tactus.verify.sign_off.equal_netlist import dump, list_lengths, read_dump, to_verilog
 from tactus.verify.sign_off.solver import FLATTEN, formula_script
 from tb.common.properties import Property
 

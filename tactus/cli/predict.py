@@ -7,8 +7,14 @@ from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.table import read_csv_file
-from tactus.rig.predict import Prediction, check_place, predict, readings_of, write_prediction
-from tactus.rig.trained_on import trained_on
+from tactus.rig.predict import (
+    Prediction,
+    check_place,
+    predict,
+    readings_of,
+    trained_on,
+    write_prediction,
+)
 from tactus.scene import Scene, load_scene
 from tactus.scene.labels import margins
 

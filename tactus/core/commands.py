@@ -430,7 +430,7 @@ COMMANDS = (
         "Writes one HTML file about a scene: errors, effects of noise, results of the verification "
         "and pictures.",
         (SCENE,),
-        "tactus.report",
+        "tactus.report.page.build",
     ),
     Command(
         "docs",

@@ -7,12 +7,11 @@ from contextlib import ExitStack
 from tactus.core.cli import numbers, run, stop_if_dry_run
 from tactus.core.commands import arguments_of, option
 from tactus.core.progress import CLEAR
-from tactus.monitor.board import board_of
+from tactus.monitor.board import Drift, board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Tour
 from tactus.monitor.load import load
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.placements import Drift
 from tactus.monitor.ports import open_line, refuse_drift
 from tactus.monitor.server import Server
 from tactus.scene.disturbance import MOST, Disturbance

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from golden.input_error import InputError
-from tactus.monitor.board import Board
+from tactus.monitor.board import Board, Drift
 from tactus.monitor.line import Line, ports_there
-from tactus.monitor.placements import Drift
 from tactus.monitor.simulated_board import SimulatedBoard
 from tactus.monitor.twin_board import TwinBoard
 

@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 from golden.instruments.uart_instrument import UartInstrument
 from tactus.core.fingerprint import ROOT
 from tactus.export.exporter import compile_order
+from tactus.monitor.board import Drift, nearest_row, samples_of
 from tactus.monitor.inside_simulator import CONFIGURATION
-from tactus.monitor.placements import Drift, nearest_row, samples_of
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.simulate import Ghdl, analyse

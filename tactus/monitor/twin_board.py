@@ -27,8 +27,7 @@ from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.monitor.board import Board
-from tactus.monitor.placements import Drift, nearest_row, samples_of
+from tactus.monitor.board import Board, Drift, nearest_row, samples_of
 from tactus.scene import Scene
 from tactus.scene.building import taught_of
 

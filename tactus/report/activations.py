@@ -1,19 +1,129 @@
 """``python -m tactus.report.activations``: measures and draws how far activations are from tanh."""
 
 import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.pade import UnsettledWarning
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import forms
-from golden.numbers.precision import EXACT, THESIS
+from golden.numbers.precision import EXACT, THESIS, Precision
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_file, write_json
 from tactus.core.machine import versions
 from tactus.report.draw.svg import svg
-from tactus.report.measure.activation_errors import activation_table, built
+from tactus.report.measure.table import Row, Table
+from tactus.scene import thesis_table
+from tactus.scene.metrics import ACTIVATION_RANGE, activation_error
+
+FACTORS = (1, 3, 8, 32, 128, 512)
+THESIS_FACTOR, AS_THESIS = 3, "as thesis"
+# The options with which the thesis measured, if they are not the default. It does not print its
+# number of iterations.
+THESIS_OPTIONS: dict[str, dict[str, Any]] = {"pade": {"rho": 4.0, "iterations": 24}}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The errors of one scheme in one arithmetic with one Q.
+
+    arithmetic: "float" or the name of a precision.
+    factor: Q.
+    mean_percent, mean_percent_thesis: Equation 4.32 in both readings, see ``ActivationError``. None
+        if the codes do not cover its range.
+    largest: The largest error over all codes, in units of 2**-13.
+    """
+
+    arithmetic: str
+    factor: int
+    mean_percent: float | None
+    mean_percent_thesis: float | None
+    largest: float
+
+
+def thesis_figure(name: str) -> float | None:
+    """The mean error that the thesis prints for a scheme, or None for a scheme of our own."""
+    figure = thesis_table(f"activation.{name.removesuffix('_parallel')}").get("mean_percent_error")
+    return None if figure is None else float(figure)
+
+
+def variants() -> Iterator[tuple[str, str, Scheme]]:
+    """Every form of every scheme and, if they differ, the one with the options of the thesis."""
+    for name, scheme in forms().items():
+        yield name, "", scheme
+        if name in THESIS_OPTIONS:
+            text = ", ".join(f"{key} = {value:g}" for key, value in THESIS_OPTIONS[name].items())
+            yield name, text, scheme.configured(THESIS_OPTIONS[name])
+
+
+def built(scheme: Scheme, precision: Precision, factor: int) -> ActivationBlock:
+    """The whole block, without a warning that it is not settled, as that is measured here."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnsettledWarning)
+        return scheme.build(precision, factor, precision.hidden_fmt.high)
+
+
+def measured(scheme: Scheme, factors: Sequence[int] = FACTORS) -> Iterator[Measured]:
+    """The errors of one scheme in its precisions, for each Q if it is normalised."""
+    for precision in scheme.precisions:
+        codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
+        for factor in factors if precision.normalise else (1,):
+            block = built(scheme, precision, factor)
+            q = factor * block.real_input(codes)
+            results = {precision.name: block.real_result(block.process(codes))}
+            if precision.normalise:
+                results = {"float": scheme.real(q)[0], **results}
+            for arithmetic, values in results.items():
+                errors = values - np.tanh(q)
+                covered = np.abs(q).max() >= ACTIVATION_RANGE
+                mean = activation_error(errors, q) if covered else None
+                yield Measured(
+                    arithmetic,
+                    factor,
+                    mean.mean_percent if mean else None,
+                    mean.mean_percent_thesis if mean else None,
+                    8192 * float(np.abs(errors).max()),
+                )
+
+
+def activation_table() -> Table:
+    """A row for each scheme and arithmetic."""
+    rows: list[Row] = []
+    for name, options, scheme in variants():
+        found: dict[str, dict[int, Measured]] = {}
+        for one in measured(scheme):
+            found.setdefault(one.arithmetic, {})[one.factor] = one
+        for arithmetic, by_factor in found.items():
+            chosen = by_factor.get(THESIS_FACTOR, next(iter(by_factor.values())))
+            rows.append(
+                {
+                    "scheme": f"{name}, {AS_THESIS}" if options else name,
+                    "arithmetic": arithmetic,
+                    "mean %": chosen.mean_percent,
+                    "x 2 %": chosen.mean_percent_thesis,
+                    "thesis %": None if arithmetic == "exact" else thesis_figure(name),
+                    **{
+                        f"Q = {f}": by_factor[f].largest if f in by_factor else None
+                        for f in FACTORS
+                    },
+                }
+            )
+    special = "; ".join(f"{name} with {text}" for name, text, _ in variants() if text)
+    return Table.of(
+        "activation_errors",
+        rows,
+        f"The means are those of equation 4.32 at Q = {THESIS_FACTOR}, as printed and times two. "
+        "The last columns have the largest error over all codes for each Q, in units of 2^-13; "
+        "exact precision has no Q, and its codes are those of Fix(18,14), |q| to 8. "
+        f"'{AS_THESIS}' is {special}.",
+    )
 
 
 def plot_file(name: str) -> str:

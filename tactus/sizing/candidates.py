@@ -19,8 +19,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
 from golden.trained.dense import Trained
 from golden.trained.mlp import tanh
-from tactus.sizing.exact import block_rams, multipliers
-from tactus.sizing.features import features_of
+from tactus.sizing.features import block_rams, features_of, multipliers
 from tactus.sizing.model import Size, path_of, routed_size, routed_spread, size_of, spread
 
 

@@ -42,8 +42,7 @@ from tactus.verify.every_frame.sequences import before
 from tactus.verify.every_frame.specify import description
 from tactus.verify.every_frame.verdict import PROVED, UNKNOWN, Verdict, judge
 from tactus.verify.sign_off import prove as blocks
-from tactus.verify.sign_off.equal_gates import dump, read_dump
-from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
+from tactus.verify.sign_off.equal_netlist import dump, list_lengths, read_dump, to_verilog
 
 yosys = partial(run_tool, "yosys")
 

@@ -23,8 +23,13 @@ from tactus.verify.benches.kept_results import run_and_keep
 from tactus.verify.benches.places import Place, places
 from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
-from tactus.verify.sign_off.netlist import NETLISTS_RUN_IN, chosen, mapped, on_cells_of
-from tactus.verify.sign_off.netlist_record import record
+from tactus.verify.sign_off.netlist import (
+    NETLISTS_RUN_IN,
+    chosen,
+    mapped,
+    on_cells_of,
+    record,
+)
 
 
 def conclude(outcomes: list[Outcome]) -> int:

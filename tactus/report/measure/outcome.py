@@ -1,6 +1,6 @@
 """The results of a scene's networks on its recorded rows, and how sure the errors are."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -10,13 +10,60 @@ from numpy.typing import NDArray
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.core.table import read_groups
-from tactus.errors import Decisions, decisions_of, disturbed_rows, held_out_rows, noises_of
+from tactus.errors import (
+    FRAMES,
+    Decisions,
+    decisions_of,
+    disturbed_errors,
+    disturbed_rows,
+    full_scale_of,
+    held_out_or_all,
+    held_out_rows,
+    noises_of,
+)
 from tactus.report.measure.table import Cell, Row, Table
 from tactus.rig.sensors_tell import telling_of
 from tactus.scene import Scene
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.scale import signals
 from tactus.scene.vectors import place_names, read_recorded
+
+# For each field of ``Disturbance``: its name for a reader, and its sizes. Those of noise and offset
+# are parts of the full scale of a reading.
+KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
+    "noise": ("noise", (0.0005, 0.001, 0.002, 0.004, 0.008)),
+    "gain": ("gain drift", (0.002, 0.005, 0.01, 0.02, 0.03)),
+    "offset": ("offset drift", (0.001, 0.002, 0.005, 0.01, 0.02)),
+}
+NONE = "as recorded"
+MEANING = (
+    "The figures are bit-true mean errors in percent on all recorded rows, with disturbed "
+    "readings. Sizes are standard deviations. Those of noise and offsets are in the unit of the "
+    "readings, so that 0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise "
+    "differs from reading to reading, and the drift of gain or offset from sensor to sensor. All "
+    f"rows are drawn repeatedly, until there are {FRAMES:,} frames or more, each with a drift of "
+    "its own."
+)
+
+
+def disturbances(full_scale: float) -> Iterator[tuple[str, float, Disturbance]]:
+    """Every kind and size of disturbance for a full scale, beginning with none."""
+    yield NONE, 0.0, Disturbance()
+    for key, (kind, parts) in KINDS.items():
+        for part in parts:
+            size = part if key == "gain" else float(f"{part * full_scale:.6g}")
+            yield kind, size, Disturbance(**{key: size})
+
+
+def noise_and_drift(scene: Scene, seed: int) -> Table:
+    """The table of one scene, with a row for each disturbance and a column for each output."""
+    columns = ["disturbance", "size", *(f"{name} %" for name in scene.outputs)]
+    rows: list[list[Cell]] = [
+        [kind, size, *disturbed_errors(scene, disturbance, seed)]
+        for kind, size, disturbance in disturbances(full_scale_of(scene))
+    ]
+    return Table("noise_and_drift", columns, rows, MEANING)
+
 
 Rows = NDArray[np.int64]
 
@@ -271,4 +318,72 @@ def telling(scene: Scene) -> Table | None:
         "is a constant. Networks have smaller errors; only training shows what a network loses "
         "without a sensor. 'follows' is the part of a sensor's variance that is explained by the "
         f"outputs, or by the outputs and the other sensors. For noise it is about 0 or less.{drop}",
+    )
+
+
+# So many rows are shown that are decided wrongly, those with the largest margins.
+WRONG = 20
+
+
+def accuracy(found: Outcome) -> Table:
+    """The part of the rows that is decided rightly, on all rows and on those held out."""
+    every = found.decisions
+    kinds = {"all rows": every}
+    if found.held_out is not None:
+        kinds["held-out rows"] = every.take(found.held_out)
+    rows: list[list[Cell]] = []
+    for name, some in kinds.items():
+        count = len(some.actual)
+        parts = [100 * n / count for n in (some.right, some.right_real)]
+        rows.append([name, count, *parts, some.differ])
+    return Table(
+        "accuracy",
+        ["rows", "number", "right %", "right in floating point %", "decided differently"],
+        rows,
+        "The decision is the class of the largest output, the first one of equal outputs. 'Right' "
+        "is bit-true, as the hardware decides. The last column has the number of rows that "
+        "hardware and floating point decide differently.",
+    )
+
+
+def per_class(found: Outcome) -> Table:
+    """How many rows of each class are decided rightly, and how often each decision is right."""
+    some, which = held_out_or_all(found.scene, found.decisions)
+    counts = some.confusion
+    rows: list[list[Cell]] = []
+    for n, label in enumerate(some.labels):
+        right, there, said = int(counts[n, n]), int(counts[n].sum()), int(counts[:, n].sum())
+        parts: list[Cell] = [100 * right / of if of else None for of in (there, said)]
+        others = counts[n].copy()
+        others[n] = 0
+        taken = some.labels[int(others.argmax())] if others.any() else ""
+        rows.append([label, there, right, parts[0], said, parts[1], taken])
+    return Table(
+        "per_class",
+        ["class", "rows", "right", "right %", "decided", "of these right %", "else mostly"],
+        rows,
+        f"Bit-true decisions on {which}. 'Decided' is the number of rows of which the hardware "
+        "says that they are of the class.",
+    )
+
+
+def wrong_rows(found: Outcome) -> Table:
+    """The rows that are decided wrongly, those of the largest margin first."""
+    some = found.decisions
+    wrong = np.flatnonzero(some.bit_true != some.actual)
+    held = set() if found.held_out is None else set(found.held_out.tolist())
+    rows: list[list[Cell]] = []
+    for row in wrong[np.argsort(-some.margins[wrong], kind="stable")][:WRONG]:
+        labels = (some.labels[some.actual[row]], some.labels[some.bit_true[row]])
+        real = some.labels[some.real[row]]
+        seen = "held out" if int(row) in held else ""
+        rows.append([int(found.numbers[row]), *labels, real, int(some.margins[row]), seen])
+    files = " and of ".join(path.name for path in found.scene.data_paths)
+    return Table(
+        "wrong_rows",
+        ["row", "recorded", "decided", "in floating point", "margin", ""],
+        rows,
+        f"{len(wrong)} of {len(some.actual)} rows are decided wrongly; those with the largest "
+        f"margins, {WRONG} at most. The margin is the difference of the two largest outputs in "
+        f"codes. Row 1 of {files} is the first below its header.",
     )

@@ -1,16 +1,25 @@
-"""Writes a report: the page, and every picture and table beside it."""
+"""``make report``: writes one HTML file about a scene, with all plots as SVG and tables as CSV.
+
+``build/<scene>/report.html`` opens without a network connection. ``build/<scene>/report`` beside it
+holds the plots, a CSV for each table, and report.json with all tables. What has not changed since
+the last report is not measured again.
+"""
 
 import dataclasses
+import sys
 import time
 
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import check_writable, replace_file, replace_folder, write_json
 from tactus.core.folders import BUILD
+from tactus.core.hold import held
 from tactus.core.machine import facts, versions
 from tactus.report.draw.svg import Picture
 from tactus.report.measure.table import Table
-from tactus.report.page.content import content
-from tactus.report.page.page import Page
+from tactus.report.page.content import Page, content
 from tactus.scene import Scene
+from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import simulator_versions
 
 
@@ -62,6 +71,14 @@ def made(seconds: float) -> list[str]:
     ]
 
 
+def main() -> None:
+    arguments = arguments_of("report", __doc__)
+    scene = ready_scene(arguments.scene)
+    stop_if_dry_run(f"simulate and measure scene {scene.name} and write its report")
+    with held([BUILD / scene.name]):
+        build_report(scene)
+
+
 def build_report(scene: Scene) -> None:
     """Build the report of a scene."""
     started = time.perf_counter()
@@ -69,3 +86,7 @@ def build_report(scene: Scene) -> None:
     page = content(scene, tell)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

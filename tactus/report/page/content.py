@@ -1,39 +1,41 @@
 """The content of the report of a scene."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from golden.networks.network import Network
 from tactus.core import store
-from tactus.report.draw.confusion import confusion
-from tactus.report.draw.designs import picture_of, sentence
+from tactus.core.templates import environment
+from tactus.report.designs import designs, picture_of, refused_lines, sentence
 from tactus.report.draw.outcome import (
     Plot,
     Predicted,
     along_plot,
+    confusion,
     disturbance_plots,
     predicted_plots,
 )
 from tactus.report.draw.pictures import draw
 from tactus.report.draw.svg import Picture
-from tactus.report.measure.classes import accuracy, per_class, wrong_rows
-from tactus.report.measure.costs import Costs, blocks, costs
-from tactus.report.measure.designs import designs, refused_lines
-from tactus.report.measure.disturbance import noise_and_drift
 from tactus.report.measure.networks import FAMILY
 from tactus.report.measure.outcome import (
     Outcome,
+    accuracy,
     along,
     confidence,
+    noise_and_drift,
     outcome,
+    per_class,
     sensors,
     telling,
     worst_rows,
+    wrong_rows,
 )
 from tactus.report.measure.steps import Progress, cached, packed, part_key
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
-from tactus.report.page.page import Page, Section
+from tactus.report.page.summary import Costs, blocks, costs
 from tactus.scene import Scene
 from tactus.scene.building import compared
 from tactus.sizing.model import CELLS
@@ -41,6 +43,47 @@ from tactus.verify.benches.results import left_texts, stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
 from tactus.verify.prove import proof_line
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page.
+
+    name: The name of the anchor.
+    text, points: The paragraphs, and the list below them.
+    tables: The tables that are shown in full.
+    folded: The tables that are shown when the reader opens them, and in print.
+    """
+
+    name: str
+    title: str
+    text: Sequence[str] = ()
+    points: Sequence[str] = ()
+    pictures: Sequence[Picture] = ()
+    tables: Sequence[Table] = ()
+    folded: Sequence[Table] = ()
+
+
+@dataclass(frozen=True)
+class Page:
+    """The whole report.
+
+    built: The lines that say what was built.
+    errors, costs: The tables of the first screen.
+    made: The lines that say with which tools the report was made.
+    """
+
+    title: str
+    built: Sequence[str]
+    errors: Table
+    costs: Table
+    sections: Sequence[Section]
+    made: Sequence[str] = ()
+
+    def render(self) -> str:
+        """The page as HTML."""
+        templates = environment("tactus.report.page", escapes=True)
+        return templates.get_template("page.html.jinja").render(page=self)
 
 
 def content(scene: Scene, tell: Progress) -> Page:

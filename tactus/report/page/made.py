@@ -19,14 +19,12 @@ from tactus.boards.bitstream import Report, read_record, record_path
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors import decisions_of, held_out_or_all
-from tactus.report.activations import plot, plot_file
-from tactus.report.draw.designs import picture_of
+from tactus.report.activations import activation_table, plot, plot_file
+from tactus.report.designs import designs, picture_of, refused_lines
 from tactus.report.draw.network import network
-from tactus.report.measure.activation_errors import activation_table
-from tactus.report.measure.designs import designs, refused_lines
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import cell_text, markdown
-from tactus.report.page import blocks, datasheets, sign_off
+from tactus.report.page import blocks, sign_off
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, class_names, load_scene, scene_names
 from tactus.scene.building import compared
@@ -236,7 +234,7 @@ MADE: dict[str, Callable[[], str]] = {
     "side_by_side": demo,
     "blocks": blocks.block_table,
     "sign-off": sign_off.overview,
-    "synthesis": datasheets.scene_table,
+    "synthesis": blocks.scene_table,
     "converters": converters,
     "wiring": wiring,
     "sources": pin_sources,

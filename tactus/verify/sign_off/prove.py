@@ -27,9 +27,16 @@ from tactus.synth.tools import digest
 from tactus.verify.benches.collected import CASES_OF, PROOFS, proof_file, properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.sign_off.equal import prove_equal
-from tactus.verify.sign_off.record import PROVE, of_another_source, recorded, write_record
+from tactus.verify.sign_off.record import (
+    PROVE,
+    case_line,
+    chosen_blocks,
+    of_another_source,
+    recorded,
+    subject,
+    write_record,
+)
 from tactus.verify.sign_off.solver import Answer, Inquiry
-from tactus.verify.sign_off.subject import case_line, chosen_blocks, subject
 from tb.common.properties import Property
 
 KIND = "proof"

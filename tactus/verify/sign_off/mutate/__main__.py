@@ -15,13 +15,14 @@ from tactus.scene import load_scene
 from tactus.verify.benches.places import check_block
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.mutate.score import SEED, score
-from tactus.verify.sign_off.record import recorded, write_record
-from tactus.verify.sign_off.subject import (
+from tactus.verify.sign_off.record import (
     cases_line,
     chosen_blocks,
     hold_recorded,
+    recorded,
     recorded_subjects,
     subjects_of,
+    write_record,
 )
 
 KIND = "mutation"
