@@ -315,7 +315,7 @@ class Copy:
         self.forget()
         return {
             module: parts.part_key(module, [f"tactus.report.{module}"])
-            for module in ("measure.disturbance", "measure.designs")
+            for module in ("measure.outcome", "measure.simulated_frame")
         }
 
     @staticmethod
