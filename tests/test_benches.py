@@ -25,8 +25,7 @@ from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome, run_job
 from tactus.verify.benches.simulate import Run, analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS
-from tactus.verify.sign_off.record import stale_records
-from tactus.verify.sign_off.record import recorded_cases
+from tactus.verify.sign_off.record import recorded_cases, stale_records
 from tb.common.bench import CONFIGURATION
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
