@@ -30,7 +30,7 @@ from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import Scene, load_scene
-from tactus.train import candidate_runs, few_digits, search
+from tactus.train import few_digits, search
 from tactus.train.few_digits import FewDigits, grid_of
 from tactus.train.objective import Objective, Rows
 from tactus.train.search import Stages, train
@@ -143,7 +143,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
     text = text.replace('weights = "mine.npz"', 'weights = ["mine-0.npz", "mine-1.npz"]')
     path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 6]"))
     monkeypatch.setattr(search, "MANY_ROWS", 59)
-    monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
+    monkeypatch.setattr(command, "FIRST_ROWS", 10)
     measure, seen = search.measure, []
 
     def watched(task, hidden, restart, *point):

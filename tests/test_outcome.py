@@ -42,7 +42,7 @@ from tactus.report.measure.outcome import (
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.metrics import activation_error, displacement_errors
+from tactus.scene.metrics import activation_error
 from tactus.scene.scale import Scale, on_readings
 from tactus.train.split import split_of, split_story
 from tactus.verify.benches.tools import SIMULATORS
@@ -352,16 +352,6 @@ def test_the_codes_of_table_3_1() -> None:
     load, width = (np.unique(column) for column in read_table(data, ("load", "width")).T)
     assert np.allclose(width / FULL_SCALE * WIDTH_MM, [12.7, 25.4, 38.1, 50.8])
     assert np.allclose(load / FULL_SCALE * LOAD_G, [6, 8, 9, 11, 12, 16, 19, 23], atol=0.01)
-
-
-def test_displacement_errors_of_a_sine() -> None:
-    """The distance from end to end of a sine is twice its amplitude."""
-    t = (np.arange(100_000) + 0.5) / 100_000
-    actual = np.stack([np.sin(2 * np.pi * t), 300 * np.cos(4 * np.pi * t)], axis=1)
-    found = displacement_errors(actual + np.array([0.01, -6.0]), actual)
-    assert [e.mean for e in found] == pytest.approx([0.01, 6.0])
-    assert [e.displacement for e in found] == pytest.approx([2, 600], rel=1e-6)
-    assert [e.percent for e in found] == pytest.approx([0.5, 1], rel=1e-6)
 
 
 @pytest.mark.parametrize("points", [7, 600, 100_001])

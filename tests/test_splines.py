@@ -16,18 +16,25 @@ from tactus.errors import decisions_of
 from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene
 from tactus.train.objective import Rows
-from tactus.train.splines import training as splines
+from tactus.train.splines import search as splines
 from tactus.train.splines.network import CURVED, FLAT, STRAIGHT, Edges, SplineNetwork, starting
 from tactus.train.splines.objective import (
     CrossEntropy,
-    Penalty,
     SplineObjective,
     Squares,
     descend,
     stopped_early,
 )
-from tactus.train.splines.search import Stages, function_network, measure, train
-from tactus.train.splines.training import SplineSettings, pruned, refitted, trained
+from tactus.train.splines.search import (
+    SplineSettings,
+    Stages,
+    function_network,
+    measure,
+    pruned,
+    refitted,
+    train,
+    trained,
+)
 from tactus.train.task import bit_true_error
 
 BASIS = Basis(-0.5, 1.5, 4)
@@ -72,7 +79,7 @@ def test_derivatives_are_differences(kind: int, word_error: float) -> None:
     like = network()
     edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
     freedom = edges.freedom(like)
-    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom, Squares(), word_error)
+    aim = SplineObjective(like, rows(), 0.3, 0.01, freedom, Squares(), word_error)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     value, gradient, hessian = aim.value_gradient_hessian(point)
     assert value == pytest.approx(aim.value(point))
@@ -90,7 +97,7 @@ def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
     rng = np.random.default_rng(2)
     targets = np.eye(3)[rng.integers(0, 3, 40)]
     given = Rows(rng.uniform(-1, 1.5, (40, 3)), targets, np.ones_like(targets))
-    aim = SplineObjective(like, given, Penalty(0.3, 0.01), freedom, CrossEntropy())
+    aim = SplineObjective(like, given, 0.3, 0.01, freedom, CrossEntropy())
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     logits = aim.network(point).process(given.inputs)
     parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
@@ -111,7 +118,7 @@ def test_errors_of_words_are_expected_in_the_objective() -> None:
     like, given, part = network(), rows(), 1e-3
     freedom = np.eye(len(like.packed()))
     plain, aim = (
-        SplineObjective(like, given, Penalty(0), freedom, Squares(), own) for own in (0.0, part)
+        SplineObjective(like, given, 0, 1e-6, freedom, Squares(), own) for own in (0.0, part)
     )
     point = like.packed()
     sums = like.sums(like.spread(given.inputs))
@@ -127,13 +134,13 @@ def test_errors_of_words_are_expected_in_the_objective() -> None:
 def test_a_descent_ends_lower_and_early() -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
-    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom, Squares())
+    aim = SplineObjective(like, curve(60, 1), 1e-3, 1e-6, freedom, Squares())
     start = like.packed()
     assert aim.value(descend(aim, start, 50)) < 0.05 * aim.value(start)
     np.testing.assert_array_equal(descend(aim, start, 0), start)
     # The other rows are those of the start, so any step leads away from them.
     here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = SplineObjective(like, here, Penalty(0), freedom, Squares())
+    watched = SplineObjective(like, here, 0, 1e-6, freedom, Squares())
     near = stopped_early(aim, start, 50, watched, 3)
     assert aim.value(near) < aim.value(start)
     assert watched.value(near) < watched.value(descend(aim, start, 50))
@@ -152,7 +159,7 @@ def test_a_law_is_learnt_and_pruned() -> None:
     )
     assert rms(found, test) < 0.03
     less = pruned(found, training, validation, rms)
-    assert less.steps < found.steps
+    assert less.edges.steps < found.edges.steps
     assert less.edges.first[0, 2] == FLAT
     assert rms(less, test) < 1.1 * rms(found, test)
     dear = pruned(found, training, validation, lambda model, rows: float(model is not found))

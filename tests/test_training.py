@@ -1,16 +1,11 @@
 """Tests training: derivatives, optimisers, early stopping, split, determinism, and results."""
 
-import socket
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from distributed import Client, LocalCluster
 from refused import call
 
 from golden.activation.schemes import SCHEMES
@@ -24,7 +19,6 @@ from tactus.cli import train as command
 from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
-from tactus.train.candidate_runs import computed_on, continued
 from tactus.train.descents import OPTIMISERS, minimise
 from tactus.train.objective import Objective, Rows
 from tactus.train.search import Result, Stages, candidates, measure, train
@@ -327,67 +321,14 @@ def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
     members = (replace(scene.members[0], hidden=0),)
     scene = replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
     task = task_for(scene, scene.vectors(), [])
-    return list(continued(measure, task, candidates(task), record, workers))
+    return list(command.continued(measure, task, candidates(task), record, workers))
 
 
-def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:
-    """The two worker processes are reached over sockets, as those of another machine would be."""
-    here = searched(small_scene, tmp_path / "here.jsonl")
-    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
-    with cluster, Client(cluster) as client:
-        with computed_on(client.scheduler.address):
-            there = searched(small_scene, tmp_path / "there.jsonl", workers=-1)
-        worker = next(iter(client.scheduler_info()["workers"]))
-        message = f"CLUSTER={worker}: no scheduler answers: what answers there is a Worker of Dask"
-        with pytest.raises(InputError, match=message), computed_on(worker):
-            pass
-        executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
-    assert there == here
-    assert (tmp_path / "there.jsonl").read_bytes() == (tmp_path / "here.jsonl").read_bytes()
-    assert len(executed) == 2
-    assert sum(executed.values()) > 0, "the cluster computed nothing"
-
-
-@contextmanager
-def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
-    """The address of a program that listens but is not a scheduler."""
-    server = socket.create_server(("127.0.0.1", 0))
-    taken: list[socket.socket] = []
-
-    def serve() -> None:
-        with suppress(OSError):
-            while True:
-                taken.append(server.accept()[0])
-                answer(taken[-1])
-
-    threading.Thread(target=serve, daemon=True).start()
-    try:
-        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
-    finally:
-        for one in (server, *taken):
-            one.close()
-
-
-@pytest.mark.parametrize(
-    ("answer", "reason"),
-    [
-        (lambda taken: None, "nothing within 1 s"),
-        (lambda taken: taken.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n"), "what .* another proto"),
-        (lambda taken: taken.close(), "(nothing within|Timed out|in <TCP)"),
-    ],
-    ids=["silent", "http", "closed"],
-)
-def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
-    answer: Callable[[socket.socket], object], reason: str, capfd
+def test_a_search_that_goes_on_with_other_workers_gives_the_same_record(
+    small_scene: Scene, tmp_path: Path
 ) -> None:
-    """Otherwise it would wait for seven minutes, or try to read a message of 3.07 EiB."""
-    with listening(answer) as address:
-        message = f"^CLUSTER={address}: no scheduler answers: {reason}.*; expected the address of a"
-        with pytest.raises(InputError, match=message) as refused, computed_on(address, 1.0):
-            pass
-        assert "\n" not in str(refused.value)
-    said = capfd.readouterr()
-    assert (said.out, said.err) == (
-        f"CLUSTER={address}: asking for its scheduler, 1 s at most\n",
-        "",
-    )
+    here, there = tmp_path / "here.jsonl", tmp_path / "there.jsonl"
+    found = searched(small_scene, here)
+    there.write_text(here.read_text()[: -len(here.read_text().splitlines()[-1]) // 2])
+    assert searched(small_scene, there, workers=2) == found
+    assert there.read_bytes() == here.read_bytes()

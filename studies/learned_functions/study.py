@@ -20,8 +20,8 @@ from tactus.scene import load_scene
 from tactus.train.descents import levenberg_marquardt
 from tactus.train.objective import Objective, Rows
 from tactus.train.search import starting_weights
-from tactus.train.splines import training as splines
-from tactus.train.splines.training import Learned, SplineSettings
+from tactus.train.splines import search as splines
+from tactus.train.splines.search import Learned, SplineSettings
 from tactus.train.task import task_for
 
 SCENE = load_scene("digit")

@@ -16,10 +16,10 @@ from tactus.core.progress import stage
 PIP = ("-m", "pip", "--disable-pip-version-check", "--no-color", "install", "--progress-bar=off")
 # Pip would compile on one core. Here all cores are used. What nothing here imports is left out, or
 # only in small part: tests of packages, scapy, which cocotb-bus brings, pip itself, fontTools of
-# matplotlib, z3, which is started as a program, and dask with fsspec, which only a search on a
-# cluster imports. That is nearly half of all files. Mypy is compiled already.
+# matplotlib, and z3, which is started as a program. That is nearly half of all files. Mypy is
+# compiled already.
 WHAT = ("--no-compile", "-e", ".[dev]")
-LEFT = "tests|scapy|pip|mypy|mypyc|setuptools|fontTools|z3|dask|fsspec"
+LEFT = "tests|scapy|pip|mypy|mypyc|setuptools|fontTools|z3"
 COMPILE = ("-m", "compileall", "-qq", "-j", "0", "-x", rf"[/\\]({LEFT})[/\\]")
 
 

@@ -1,14 +1,16 @@
 """``make train``: trains the networks that a scene names."""
 
+import json
 import sys
 import time
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
 from golden.input_error import InputError
@@ -17,7 +19,7 @@ from tactus.core import store
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.closure import code
 from tactus.core.commands import arguments_of, option
-from tactus.core.files import check_output
+from tactus.core.files import check_output, reading, writing
 from tactus.core.finding import refuse
 from tactus.core.hold import held
 from tactus.core.machine import versions
@@ -30,12 +32,14 @@ from tactus.scene.known_scales import story
 from tactus.scene.training import FEWEST
 from tactus.scene.vectors import warn_outside
 from tactus.train import search
-from tactus.train.candidate_runs import computed_on, continued, parts_of
 from tactus.train.few_digits import count_digits
 from tactus.train.search import Result, Stages, has_layers, has_many_rows, layers_searched
 from tactus.train.splines import search as spline_search
 from tactus.train.split import scaled, split_story, unused_text
 from tactus.train.task import Task, bit_true_error, percent_errors
+
+# The fewest training rows, and at most as many validation rows, on which candidates are compared.
+FIRST_ROWS = 1000
 
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
@@ -83,6 +87,60 @@ def compared(
     return seen
 
 
+def continued(
+    measured: Callable[..., Result],
+    task: Task,
+    candidates: Sequence[tuple[Any, ...]],
+    record: Path,
+    workers: int,
+) -> Iterator[Result]:
+    """The results of all candidates, in order, of a search that can be interrupted.
+
+    measured: Trains and measures one candidate of a task.
+    candidates: What it gets beside the task.
+    record: A line for each result, in the order of the candidates. Those that an earlier search has
+        left are not computed again.
+    workers: The number of processes; -1 for one on each core.
+    """
+    known = list(_read(record))
+    yield from known
+    with writing(record):
+        record.parent.mkdir(parents=True, exist_ok=True)
+        lines = [json.dumps(asdict(result)) + "\n" for result in known]
+        # An earlier search may have been interrupted within a line.
+        record.write_text("".join(lines), encoding="utf-8")
+    jobs = (delayed(measured)(task, *candidate) for candidate in candidates[len(known) :])
+    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
+        with writing(record), record.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(asdict(result)) + "\n")
+        yield result
+
+
+def parts_of(task: Task) -> Iterator[Task]:
+    """The task on random rows, each time on those before and as many more; the last has all.
+
+    After each of them the worse half of the candidates is left out (K. Jamieson and A. Talwalkar,
+    "Non-stochastic best arm identification and hyperparameter optimization", AISTATS 2016).
+    """
+    rng = np.random.default_rng([task.scene.training.seed, task.number])
+    frames = {name: getattr(task, name) for name in ("training", "validation")}
+    orders = {name: rng.permutation(len(part.inputs)) for name, part in frames.items()}
+    rows = FIRST_ROWS
+    while rows < len(task.training.inputs):
+        yield replace(task, **{n: part.take(orders[n][:rows]) for n, part in frames.items()})
+        rows *= 2
+    yield task
+
+
+def _read(record: Path) -> Iterator[Result]:
+    if not record.is_file():
+        return
+    with reading(record, "a record of candidates, which may be deleted"):
+        for line in record.read_text(encoding="utf-8").split("\n")[:-1]:
+            facts = json.loads(line)
+            yield Result(**facts | {key: tuple(facts[key]) for key in ("layers", "point")})
+
+
 def main() -> None:
     arguments = arguments_of(
         "train",
@@ -110,8 +168,7 @@ def main() -> None:
     stop_if_dry_run(
         f"train {len(scene.members)} networks and write {', '.join(map(str, scene.network_files))}"
     )
-    with computed_on(arguments.cluster):
-        train_scene(scene, arguments.build, arguments.workers)
+    train_scene(scene, arguments.build, arguments.workers)
 
 
 def nodes_of(result: Result) -> str:
@@ -187,8 +244,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         # On several threads a large product rounds in another way.
         with threadpool_limits(1 if has_many_rows(scene) else None):
             stages.add(*best.candidate)
-        # The processors of a cluster, or of a machine on which the search began, may round in
-        # another way. Therefore the errors are computed again for these networks.
+        # The processor on which the search began may round in another way. Therefore the errors
+        # are computed again for these networks.
         errors: dict[str, Any] = {}
         for stage, part in (("chosen", "validation"), ("tested", "test"), ("written", "every")):
             networks = getattr(stages, stage)

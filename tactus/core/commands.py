@@ -234,9 +234,8 @@ COMMANDS = (
     ),
     Command(
         "train",
-        "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
-        "Dask scheduler to compute on.",
-        (SCENE, option("CLUSTER"), FORCE),
+        "Trains the networks of a scene and writes them beside it.",
+        (SCENE, FORCE),
         "tactus.cli.train",
     ),
     Command(

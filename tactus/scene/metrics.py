@@ -66,43 +66,6 @@ def millimetres(error: OutputError, length: float) -> OutputError:
 
 
 @dataclass(frozen=True)
-class DisplacementError:
-    """Error of one coordinate of a motion, as thesis Table 6.2 lists it.
-
-    mean: Mean of the magnitude of the error, in the unit of the coordinate.
-    displacement: Mean distance from end to end of the actual motion, in the same unit.
-    percent: The mean error in percent of this distance.
-    """
-
-    mean: float
-    displacement: float
-    percent: float
-
-
-def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[DisplacementError]:
-    """Equation 6.6: mean error in percent of the mean total displacement, for each coordinate.
-
-    The thesis calls the divisor "actual total displacement", without an equation. Here it is the
-    distance from end to end of a swing, which is the mean of the motion's peaks minus that of its
-    troughs. Table 6.2 of the thesis has 330 mm for an arm of 480 mm, which cannot be a mean
-    distance from rest.
-
-    results, actual, shape (samples, coordinates): Both in the same unit.
-    """
-    # It is imported only here, because that takes half a second and every reader of a scene imports
-    # this module.
-    from scipy.signal import find_peaks
-
-    found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
-    errors = []
-    for error, motion in zip(np.abs(found - moved).mean(axis=0), moved.T, strict=True):
-        peaks, troughs = (motion[find_peaks(sign * motion)[0]].mean() for sign in (1, -1))
-        way = float(peaks - troughs)
-        errors.append(DisplacementError(float(error), way, float(100 * error / way)))
-    return errors
-
-
-@dataclass(frozen=True)
 class ActivationError:
     """Error of an approximation over [-3, 3], against the exact activation.
 

@@ -1,17 +1,14 @@
 """Reads scenes, by name or from a file."""
 
-import sys
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
 from tactus.core.files import named_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import Key, KeyTable, checked, read_toml
+from tactus.core.schema import Key, KeyTable, read_checked
 from tactus.scene.data import DATA, check_data, check_window, data_paths, read_window
 from tactus.scene.front_end import FRONT_END, UART, front_end, uart
 from tactus.scene.hardware import HARDWARE, check_activation, demand, design_options, price
@@ -84,33 +81,7 @@ def load_scene(name: str) -> Scene:
         name: scene_path(one) for one in reversed(every) for name in (one, one.rpartition("/")[2])
     }
     path = named_file("scene", name, files, known)
-    raw = in_todays_words(read_toml(path), path)
-    return _scene(checked(raw, SCENE, path), path)
-
-
-def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
-    """A scene file with what older files say of the engine, in the words of today.
-
-    The design `lanes` was the engine with several lanes, and `multiplier` said whether it has one.
-    """
-    hardware = raw.get("hardware")
-    if not isinstance(hardware, dict):
-        return raw
-    found = dict(hardware)
-    if found.get("design") == "lanes":
-        found = {"lanes": 2, **found, "design": Engine.block}
-    if found.get("multiplier") in ("dsp", "serial"):
-        found.setdefault("lanes", int(found["multiplier"] == "dsp"))
-        del found["multiplier"]
-    if found != hardware:
-        new = [f"{key} = {found[key]!r}" for key in ("design", "lanes") if key in found]
-        _note(f"{path}: [hardware] is read as {', '.join(new)}")
-    return raw | {"hardware": found}
-
-
-@cache
-def _note(text: str) -> None:
-    print(f"note: {text}", file=sys.stderr)
+    return _scene(read_checked(path, SCENE), path)
 
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:

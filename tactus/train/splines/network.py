@@ -148,12 +148,6 @@ class Edges:
         used = _used(found.first, found.second)
         return replace(found, first=found.first * used[:, np.newaxis], second=found.second * used)
 
-    def parameters(self, network: SplineNetwork) -> int:
-        """The numbers that define the network: coefficients, and slopes of straight edges."""
-        counts = [len(c) for c in coefficients(network)]
-        curved = sum(c for c, kind in zip(counts, self.kinds, strict=True) if kind == CURVED)
-        return curved + int((self.kinds == STRAIGHT).sum()) + len(network.biases)
-
     def freedom(self, network: SplineNetwork) -> Real:
         """The matrix that makes coefficients of parameters: ``coefficients = matrix @ parameters``.
 

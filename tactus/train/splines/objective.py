@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,36 +71,23 @@ class WordErrors:
 LEAST_PROBABILITY = 1e-300
 
 
-class Loss(Protocol):
-    """A sum of squares over rows, and what a descent has to know about it."""
+class Squares:
+    """The squares of the scaled errors: ``sum(((y - t) / scale)**2)``."""
 
     def errors(self, outputs: Real, rows: Rows) -> Real:
         """The numbers whose squares add up to the loss, some for each row."""
+        return np.asarray((outputs - rows.targets) / rows.scale)
 
     def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
         """Misses m and roots R of each row, shapes (rows, n) and (rows, n, outputs).
 
         By the outputs, half the gradient of the loss is R' m, and half its curvature is R' R.
         """
-
-
-@dataclass(frozen=True)
-class Squares:
-    """The squares of the scaled errors: ``sum(((y - t) / scale)**2)``."""
-
-    def errors(self, outputs: Real, rows: Rows) -> Real:
-        return np.asarray((outputs - rows.targets) / rows.scale)
-
-    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
         weight = 1 / rows.scale
         return self.errors(outputs, rows), weight[..., np.newaxis] * np.eye(weight.shape[1])
 
 
-SQUARES = Squares()
-
-
-@dataclass(frozen=True)
-class CrossEntropy:
+class CrossEntropy(Squares):
     """The cross-entropy of outputs that are logits, with one-hot targets.
 
     Its curvature by the logits is carried to the parameters by their first derivatives alone (the
@@ -119,25 +105,15 @@ class CrossEntropy:
 
 
 @dataclass(frozen=True)
-class Penalty:
-    """What a coefficient costs besides the errors.
-
-    bend: Factor of the squared second differences of the coefficients of each function, which keeps
-        functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
-    size: Factor of the squared coefficients.
-    """
-
-    bend: float
-    size: float = 1e-6
-
-
-@dataclass(frozen=True)
 class SplineObjective:
     """The loss of the outputs on the training rows, and penalties.
 
     Where the words of hidden sums are not exact, the errors that come from them are added.
 
     like: A network with the splines that are trained.
+    bend: Factor of the squared second differences of the coefficients of each function, which keeps
+        functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
+    size: Factor of the squared coefficients.
     freedom, shape (coefficients, parameters): The coefficients are ``freedom @ parameters``; see
         ``Edges.freedom``.
     word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
@@ -145,9 +121,10 @@ class SplineObjective:
 
     like: SplineNetwork
     rows: Rows
-    penalty: Penalty
+    bend: float
+    size: float
     freedom: Real
-    loss: Loss
+    loss: Squares
     word_error: float = 0.0
 
     @cached_property
@@ -166,7 +143,7 @@ class SplineObjective:
         for functions in (self.like.first, self.like.second):
             count = functions.shape[-1]
             bends = np.diff(np.eye(count), 2, axis=0)
-            block = self.penalty.bend * bends.T @ bends + self.penalty.size * np.eye(count)
+            block = self.bend * bends.T @ bends + self.size * np.eye(count)
             for _ in range(functions.size // count):
                 whole[at : at + count, at : at + count] = block
                 at += count
@@ -176,7 +153,7 @@ class SplineObjective:
         return self.like.unpacked(self.freedom @ parameters)
 
     def errors(self, parameters: Real) -> Real:
-        """The numbers whose squares add up to the loss; see ``Loss.errors``."""
+        """The numbers whose squares add up to the loss; see ``Squares.errors``."""
         network = self.network(parameters)
         values, _ = network.hidden.at(network.sums(self._spread))
         return self.loss.errors(_outputs(network, values), self.rows)
@@ -216,7 +193,7 @@ class SplineObjective:
         """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
 
         The gradient of the loss is J' m, and its Hessian J' J, where m are the misses, and J has
-        the derivatives of the outputs by the parameters, times the roots of ``Loss.around``. In a
+        the derivatives of the outputs by the parameters, times the roots of the loss. In a
         row, each column of J is the derivative of a hidden sum, or of an output, by a parameter of
         its own, times a factor for each miss. So J' J is made of blocks.
         """
@@ -264,11 +241,6 @@ SETTLED = 1e-5
 ROUNDING = 1e-12
 
 
-def descend(objective: SplineObjective, start: Real, steps: int) -> Real:
-    """The point that at most ``steps`` evaluations reach from ``start``."""
-    return _descended(objective, start, steps, lambda point: False)
-
-
 def stopped_early(
     objective: SplineObjective, start: Real, steps: int, validation: SplineObjective, patience: int
 ) -> Real:
@@ -287,13 +259,17 @@ def stopped_early(
             in_vain += 1
         return in_vain >= patience
 
-    _descended(objective, start, steps, seen)
+    descend(objective, start, steps, seen)
     return best
 
 
-def _descended(
-    objective: SplineObjective, start: Real, steps: int, over: Callable[[Real], bool]
+def descend(
+    objective: SplineObjective,
+    start: Real,
+    steps: int,
+    over: Callable[[Real], bool] = lambda point: False,
 ) -> Real:
+    """The point that at most ``steps`` evaluations reach from ``start``, until it is ``over``."""
     point, damping = start, DAMPING
     value, gradient, hessian = objective.value_gradient_hessian(point)
     for _ in range(steps):
