@@ -20,9 +20,17 @@ from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import image_packet
 from golden.numbers.fixed import Codes
 from tactus.boards import Board, bitstream, board_names, load_board
-from tactus.boards.bitstream import Report, build, cells, read_record, record_path, sources, state
+from tactus.boards.bitstream import (
+    Report,
+    build,
+    cells,
+    ice40_netlist,
+    read_record,
+    record_path,
+    sources,
+    state,
+)
 from tactus.boards.board import FOLDER
-from tactus.boards.families import ice40_netlist
 from tactus.boards.wrapper import RESET_WIDTH, clock_for, wrapper
 from tactus.core.cli import BETWEEN
 from tactus.core.store import VARIABLE

@@ -19,8 +19,7 @@ from tactus.cli import train as command
 from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
-from tactus.train.descents import OPTIMISERS, minimise
-from tactus.train.objective import Objective, Rows
+from tactus.train.objective import OPTIMISERS, Objective, Rows, minimise
 from tactus.train.search import Result, Stages, candidates, measure, train
 from tactus.train.split import split_of
 from tactus.train.task import (

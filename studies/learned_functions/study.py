@@ -17,8 +17,7 @@ from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import Mlp, tanh
 from tactus.report.measure.table import Cell
 from tactus.scene import load_scene
-from tactus.train.descents import levenberg_marquardt
-from tactus.train.objective import Objective, Rows
+from tactus.train.objective import Objective, Rows, levenberg_marquardt
 from tactus.train.search import starting_weights
 from tactus.train.splines import search as splines
 from tactus.train.splines.search import Learned, SplineSettings

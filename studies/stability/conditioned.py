@@ -28,8 +28,7 @@ from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_an
 from tactus.rig.smooth_map import RIDGES, SAME, SmoothMap, spread
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
-from tactus.train import descents
-from tactus.train.objective import Objective, Rows
+from tactus.train.objective import Objective, Rows, levenberg_marquardt
 
 FITS = "Levenberg-Marquardt"
 AGREE = f"agree with {DIGITS} digits"
@@ -91,7 +90,7 @@ class _Linear:
 
 def _descended(slopes: Real, errors: Real) -> Real:
     aim: Any = _Linear(slopes, errors)
-    return descents.levenberg_marquardt(aim, np.zeros(slopes.shape[1]), 400)
+    return levenberg_marquardt(aim, np.zeros(slopes.shape[1]), 400)
 
 
 def sensors() -> Iterator[Row]:

@@ -13,8 +13,15 @@ from pathlib import Path
 
 from golden.networks.network import Network
 from tactus.boards import Board, load_board
-from tactus.boards.bitstream import Report, Sources, build, record_path, sources, write_record
-from tactus.boards.families import FAMILIES
+from tactus.boards.bitstream import (
+    FAMILIES,
+    Report,
+    Sources,
+    build,
+    record_path,
+    sources,
+    write_record,
+)
 from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json

@@ -38,7 +38,7 @@ from tactus.export.handover import (
     verilog_bench,
     winners_of,
 )
-from tactus.export.ports import read_ports
+from tactus.export.tidy import read_ports
 from tactus.rig.smooth_map import thinned
 from tactus.scene import Scene
 from tactus.verify.benches.kept_results import run_kept

@@ -13,9 +13,8 @@ from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
-from tactus.export.exporter import ORDER, compile_order, export
+from tactus.export.exporter import ORDER, compile_order, export, is_current, write_stamp
 from tactus.export.hierarchy import LANGUAGES
-from tactus.export.stamp import is_current, write_stamp
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene
 from tactus.scene.codes import hidden_saturations, range_lines, ranges, warn_saturating
 from tactus.scene.vectors import warn_outside

@@ -1,15 +1,25 @@
-"""Writes a scene as VHDL or Verilog: a file for each entity, and what users start from."""
+"""Writes a scene as VHDL or Verilog: a file for each entity, and what users start from.
+
+The export is current as long as a new one would give the same files. It holds the docstrings of
+its blocks as comments, so its key is made of the whole text of the sources, not of their code.
+"""
 
 import json
+import platform
 import warnings
+from functools import cache
 from pathlib import Path
 
+import myhdl
 from myhdl import ToVerilogWarning, ToVHDLWarning
 
+from tactus.core import store
+from tactus.core.closure import closure
 from tactus.core.files import replace_folder
+from tactus.core.fingerprint import ROOT, fingerprint
 from tactus.export.handover import plain_name, write_handover
 from tactus.export.hierarchy import convert_hierarchy, elaborate
-from tactus.export.ports import SUFFIX
+from tactus.export.tidy import SUFFIX
 from tactus.scene import Scene
 
 # This package declares functions that MyHDL's VHDL calls (stdl, bool). MyHDL writes it beside its
@@ -59,3 +69,33 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
         (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
         write_handover(scene, design, temporary, ORDER, files, language)
     return files
+
+
+def is_current(scene: Scene, folder: Path) -> bool:
+    """Whether the folder of a language holds what the scene gives with these sources."""
+    return folder.is_dir() and store.read(*_asked(scene, folder)) == fingerprint([folder])
+
+
+def write_stamp(scene: Scene, folder: Path) -> None:
+    """Keep a digest of what the folder holds, under the key of what it was exported from."""
+    asked, build = _asked(scene, folder)
+    store.write(asked, fingerprint([folder]), build)
+
+
+def _asked(scene: Scene, folder: Path) -> tuple[store.Key, Path]:
+    """The key of an export, and the folder for results that it is in."""
+    asked = store.key(
+        "export",
+        scene=scene.name,
+        language=folder.name,
+        files=[*scene.files, ROOT / "scenes" / "data"],
+        sources=_sources(),
+        tools=[f"myhdl {myhdl.__version__}", f"python {platform.python_version()}"],
+    )
+    return asked, folder.parents[1]
+
+
+@cache
+def _sources() -> str:
+    templates = sorted(Path(__file__).parent.glob("*.jinja"))
+    return fingerprint([*closure(["tactus.export.__main__"]).values(), *templates])

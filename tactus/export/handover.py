@@ -25,7 +25,7 @@ from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.sensing.converter_parts import TWOS
 from tactus.core.templates import environment
-from tactus.export.ports import SUFFIX, read_ports, verilog_type, vhdl_type
+from tactus.export.tidy import SUFFIX, read_ports, verilog_type, vhdl_type
 from tactus.scene import Scene
 
 # Longer recordings are cut to these lengths: any simulator elaborates so many constants in a

@@ -29,8 +29,7 @@ from hdl.common.lookup import hardware
 from hdl.common.rom import Constants
 from hdl.common.signals import Group, Stream, Words, flag, reset, signed, unsigned
 from tactus.export.myhdl_changes import install, members
-from tactus.export.ports import SUFFIX, check_ports, comment_ports
-from tactus.export.tidy import tidy
+from tactus.export.tidy import SUFFIX, check_ports, comment_ports, tidy
 
 install()
 

@@ -10,14 +10,13 @@ from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import Key, KeyTable, read_checked
 from tactus.scene.data import DATA, check_data, check_window, data_paths, read_window
-from tactus.scene.front_end import FRONT_END, UART, front_end, uart
+from tactus.scene.front_end import FRONT_END, UART, VISUALISATION, front_end, uart, visualisation
 from tactus.scene.hardware import HARDWARE, check_activation, demand, design_options, price
 from tactus.scene.labels import check_classes, output_names, read_labels
 from tactus.scene.network import NETWORK, members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
 from tactus.scene.training import TRAINING, training
-from tactus.scene.visualisation import VISUALISATION, visualisation
 
 FOLDER = ROOT / "scenes"
 # The scenes that a command uses when it is given none: the instrument of the thesis, and the same

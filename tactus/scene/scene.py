@@ -30,14 +30,13 @@ from tactus.network_files.network_file import provenance_path
 from tactus.network_files.parsed import file_of
 from tactus.scene.building import build_twin, choice_of, chosen
 from tactus.scene.data import tap_names
-from tactus.scene.front_end import FrontEnd, Uart
+from tactus.scene.front_end import FrontEnd, Uart, Visualisation
 from tactus.scene.known_scales import converter_scales, trained_scales
 from tactus.scene.labels import check_labels, class_scale
 from tactus.scene.network import SceneNetwork
 from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
 from tactus.scene.training import Training
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
-from tactus.scene.visualisation import Visualisation
 from tactus.sizing.choice import DEFAULT_PRICE, NO_DEMAND, UNDECIDED, Choice, Demand, Price
 
 # While a network is trained whose design is still to be chosen, it is computed by these.

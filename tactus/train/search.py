@@ -24,9 +24,14 @@ from golden.trained.function import Function, by_name, functions_of
 from golden.trained.mlp import Mlp, tanh
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
-from tactus.train.descents import OPTIMISERS, normal_equations
 from tactus.train.few_digits import FewDigits, with_few_digits
-from tactus.train.objective import ClassObjective, LabelledRows, Objective
+from tactus.train.objective import (
+    OPTIMISERS,
+    ClassObjective,
+    LabelledRows,
+    Objective,
+    normal_equations,
+)
 from tactus.train.task import Frames, Task, as_read, bit_true_error, shift_biases, task_for
 
 # With more recorded rows than this there are many: candidates are compared on a part of them.

@@ -10,7 +10,7 @@ from golden.numbers.real import Real
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, power_load
 from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene
-from tactus.scene.visualisation import RESULTS, VISUALISATION, visualisation
+from tactus.scene.front_end import RESULTS, VISUALISATION, visualisation
 
 # The first recorded frames have the widest load. In this frame it is in the middle of the ramp.
 FRAME = 4

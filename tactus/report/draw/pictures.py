@@ -14,7 +14,7 @@ from tactus.report.draw.svg import Picture
 from tactus.report.draw.waveforms import waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.scene import Scene
-from tactus.scene.visualisation import RESULTS
+from tactus.scene.front_end import RESULTS
 
 
 @dataclass(frozen=True)

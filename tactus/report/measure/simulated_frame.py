@@ -15,7 +15,7 @@ from golden.networks.network import Network
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from tactus.core.folders import BUILD
-from tactus.export.ports import read_ports
+from tactus.export.tidy import read_ports
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator

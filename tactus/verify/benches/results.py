@@ -14,7 +14,7 @@ from golden.common.block import walk
 from golden.networks.network import Network
 from tactus.core.folders import BUILD
 from tactus.core.progress import stage
-from tactus.export.stamp import is_current
+from tactus.export.exporter import is_current
 from tactus.scene import Scene
 from tactus.verify.benches.kept_results import bench_key, kept, run_and_keep
 from tactus.verify.benches.runner import Job, Outcome, jobs, plan, run_shown, scene_variable

@@ -24,7 +24,7 @@ from typing import Any
 from golden.common.block import walk
 from golden.input_error import InputError, suggest
 from golden.networks.network import Network
-from tactus.boards.families import ice40_netlist
+from tactus.boards.bitstream import ice40_netlist
 from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.progress import Progress
