@@ -1,5 +1,6 @@
 """Tests training: derivatives, optimisers, early stopping, split, determinism, and results."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
