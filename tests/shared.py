@@ -153,7 +153,7 @@ def copy_room(room: str, folder: Path) -> None:
 def movable(path: Path) -> str:
     """The text of a scene, which names its data and its weights wherever it is written to."""
     return re.sub(
-        r'"([^"\n]+\.(?:csv|npz))"',
+        r'"([^"\n]+\.(?:csv|npz)(?:/\w+)?)"',
         lambda found: f'"{(path.parent / found[1]).resolve()}"',
         path.read_text(),
     )

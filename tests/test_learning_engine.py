@@ -13,7 +13,7 @@ from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.graph import LOOKED_UP, Kind
 from golden.engine.integer_network import evaluate
 from golden.learning.corrected import THETA, Corrected
-from golden.learning.gradient import Gradient, Lesson, bounded, start
+from golden.learning.gradient import Lesson, bounded, equation, lms_step, start
 from golden.learning.segments import NamedTerm, lms
 from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
@@ -116,13 +116,14 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
     desk = Desk(found)
     for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
         desk.show(samples, known)
-    rule, theta, refused = Gradient(taught, np.array(rate)), start(lesson, taught), 0
+    theta, refused = start(lesson, taught), 0
     # A new placement comes first, and the oldest one after it.
     order = [len(lesson) - 1, *list(range(len(lesson))) * passes]
     for placement in order:
         desk.learn(found.outputs)
         for output in range(found.outputs):
-            theta, (taken,) = rule.step(lesson, theta, placement, output)
+            said = equation(taught, lesson, theta, placement, output)
+            theta, (taken,) = lms_step(theta, said, *rate[output])
             refused += not taken
         assert desk.timeline.theta == theta[0].tolist()
     assert desk.timeline.met["steps refused"] == refused

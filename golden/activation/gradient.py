@@ -105,16 +105,7 @@ def gradient_for(
 
     ``kind`` is the block: ``Gradient`` with one multiplier, or ``GradientParallel``.
     """
-    table = segment_table(
-        factor,
-        reach,
-        precision.hidden_fmt,
-        SIGNAL,
-        precision.coeff_width,
-        precision.gradient_frac_limit,
-        precision.intercept_frac,
-        precision.rounding,
-    )
+    table = segment_table(precision, factor, reach)
     return kind(
         precision.hidden_fmt,
         SIGNAL,

@@ -4,10 +4,7 @@ from golden.activation.rom import Rom
 
 
 class IMemory(Rom):
-    """ROM of the intercept i_n by segment address (thesis section 5.4.5.2).
-
-    The contents come from ``golden.activation.segments``; format and error bound are stated there.
-    """
+    """ROM of the intercept i_n by segment address (thesis section 5.4.5.2); see ``segments``."""
 
     block = "i_memory"
     section = "5.4.5.2"

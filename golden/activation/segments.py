@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.input_error import InputError
 from golden.numbers.fixed import Fix, Rounding
+from golden.numbers.precision import SIGNAL, Precision
 
 UPPER = (0.5, 1.0, 1.2, 1.5, 1.8, 2.05, 2.45, 3.15, 4.0)
 GRADIENT = (0.93046, 0.59805, 0.35986, 0.23741, 0.1381, 0.082, 0.0441, 0.0154, 0.0034)
@@ -108,25 +109,15 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     return codes, frac
 
 
-def segment_table(
-    factor: float,
-    reach: int,
-    mag: Fix,
-    out: Fix,
-    coeff_width: int,
-    coeff_frac_limit: int,
-    intercept_frac: int,
-    rounding: Rounding,
-) -> SegmentTable:
+def segment_table(precision: Precision, factor: float, reach: int) -> SegmentTable:
     """Constants for one neuron, without the segments that it cannot reach.
 
     factor: Q of the neuron, 1 where the input is not normalised.
     reach: Largest magnitude code that the neuron can produce.
-    mag, out: Formats of the activation's input and output.
-    coeff_width, coeff_frac_limit: See ``coefficient_codes``.
-    intercept_frac: Fraction bits of the intercepts.
-    rounding: How GRAD_EQN drops the last bits. It is needed to prove that no segment overflows.
+
+    A segment that could overflow is refused.
     """
+    mag, out, intercept_frac = precision.hidden_fmt, SIGNAL, precision.intercept_frac
     # Thresholds are rounded down: a magnitude code m lies in the segment, m Q / 2**frac <= q_n,
     # just when m is at most floor(q_n 2**frac / Q). Rounding to the nearest code would move the
     # border, by 1 % of q at Q = 512.
@@ -137,7 +128,7 @@ def segment_table(
         raise InputError(
             f"Q = {factor:g}: thresholds {thresholds} coincide in {mag}, expected distinct codes"
         )
-    codes, frac = coefficient_codes(factor, coeff_width, coeff_frac_limit)
+    codes, frac = coefficient_codes(factor, precision.coeff_width, precision.gradient_frac_limit)
     intercepts = [nearest(i * 2**intercept_frac) for i in INTERCEPT]
     saturated = kept == len(UPPER)
     words = kept if saturated else kept + 1
@@ -147,7 +138,7 @@ def segment_table(
         coeffs.append(0)
         offsets.append(out.high << (intercept_frac - out.frac))
     drop = mag.frac + frac - out.frac
-    half = (1 << drop) >> 1 if rounding is Rounding.ROUND else 0
+    half = (1 << drop) >> 1 if precision.rounding is Rounding.ROUND else 0
     ends = [*thresholds, min(reach, mag.high)]
     for n, (end, coeff, offset) in enumerate(zip(ends, coeffs, offsets, strict=True)):
         largest = (end * coeff + (offset << (mag.frac + frac - intercept_frac)) + half) >> drop

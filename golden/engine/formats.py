@@ -59,8 +59,8 @@ def put(words: list[int], place: int, field: tuple[int, int], value: int) -> Non
     words[place] |= (int(value) & ((1 << bits) - 1)) << low
 
 
-def get(word: int, field: tuple[int, int]) -> int:
-    """The bits of a field."""
+def get(word: Bits, field: tuple[int, int]) -> Bits:
+    """The bits of a field; from an array, those of each element."""
     low, bits = field
     return (word >> low) & ((1 << bits) - 1)
 

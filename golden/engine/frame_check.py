@@ -21,10 +21,8 @@ class FrameCheck(Block):
     busy: Clocks from a frame's last sample to its last output, or to another ``finish``.
     results: Whether it counts results too, behind the samples of their frame.
 
-    A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
-    its first sample comes while the frame before is computed. A wrong frame raises one error;
-    everything from the sample that breaks it up to and including its ``last`` is dropped. A sample
-    that breaks a frame that was begun goes to the last address, where nothing else is kept.
+    Frames are judged as in ``judge``; none begins while the frame before is computed. A sample that
+    breaks a frame that was begun goes to the last address, where nothing else is kept.
     """
 
     block = "frame_check"

@@ -29,9 +29,8 @@ from golden.engine.graph import Graph
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneProgram, Layout, assemble_lanes
 from golden.engine.pipeline import LanePipeline
-from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
-from golden.trained.function import TANH, Function
+from golden.trained.function import TANH
 
 # Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
 # more products of a trained network, which are smaller. An image whose sums need more bits is
@@ -139,12 +138,6 @@ class Sizes:
         """Words of the tables: all intercepts, and behind them all slopes."""
         return 2 * self.blocks * segments_of(self.segment_width)
 
-    def table_for(self, functions: tuple[Function, ...]) -> LineTable:
-        """The table that an image has for some functions, with more blocks if they do not fit."""
-        if self.table_blocks:
-            return in_blocks(functions, self.segment_width, self.table_blocks)
-        return joined(functions, self.segment_width)
-
     @property
     def check_start(self) -> int:
         """The value of the check before the first byte of an image.
@@ -166,13 +159,6 @@ class Sizes:
             *([self.cut, self.even] if self.rectifies else []),
             *([self.table_blocks] if self.table_blocks else []),
         ]
-
-    def assembled(self, graph: Graph, table: LineTable) -> LaneProgram:
-        return assemble_lanes(graph, table, self.lanes, self.pipeline, every=True)
-
-    def program_size(self, program: LaneProgram) -> int:
-        """Words of the program memory that a program takes."""
-        return len(program.words) + self.more
 
     @property
     def more(self) -> int:
@@ -311,12 +297,14 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
     A graph without ReLU fits hardware with ReLU, which then never uses it. A graph fits hardware
     with more blocks of tables than its functions need; those that are left hold zeros.
     """
-    table = sizes.table_for(graph.functions)
-    program = sizes.assembled(graph, table)
+    width, blocks = sizes.segment_width, sizes.table_blocks
+    # There are more blocks than these if the functions do not fit.
+    table = in_blocks(graph.functions, width, blocks) if blocks else joined(graph.functions, width)
+    program = assemble_lanes(graph, table, sizes.lanes, sizes.pipeline, every=True)
     needed = (
         (
             "program words",
-            sizes.program_size(program),
+            len(program.words) + sizes.more,
             sizes.program_words,
             " (hardware.program_words)",
         ),

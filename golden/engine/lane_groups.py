@@ -188,8 +188,9 @@ def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> 
     for lane, neuron in members:
         met: Counter[tuple[Kind, int, Function, int]] = Counter()
         for term in neuron.terms:
-            home = found.lane_of(term.source) if term.source >= graph.inputs else -1
-            source = _source(found, term.source)
+            source, home = term.source, found.lane_of(term.source)
+            if source >= graph.inputs:
+                source = graph.inputs + found.place[source - graph.inputs][0]
             at = home if group.joined and home >= 0 else lane
             # A weight of several parts takes several steps.
             key = term.kind, source, term.function
@@ -207,9 +208,3 @@ def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> 
             terms.append(Term(kind, source, place, function))
     name = names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
     return replace(first, name=name, terms=tuple(terms))
-
-
-def _source(found: _Shared, source: int) -> int:
-    """The number of a value among samples and groups."""
-    inputs = found.graph.inputs
-    return source if source < inputs else inputs + found.place[source - inputs][0]

@@ -36,7 +36,7 @@ def graph_of(networks: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
     useless = zeros = 0
     ranges: list[Range] = []
     plans = [network.layers for network in networks]
-    starts = [list(map(_biases, layers, _outputs(layers))) for layers in plans]
+    starts = [[_biases(layer, layer is layers[-1]) for layer in layers] for layers in plans]
     for layers, begun in zip(plans, starts, strict=True):
         _check_terms(layers, begun)
     _check_quantisers([layer for layers in plans for layer in layers])
@@ -88,11 +88,6 @@ def graph_of(networks: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
                 text = f"{place}layer {depth}"
                 ranges.append(replace(layer.range, layer=text, places=tuple(firsts)))
     return Graph(samples, tuple(neurons), useless, zeros, tuple(ranges))
-
-
-def _outputs(layers: Sequence[IntegerLayer]) -> list[bool]:
-    """Whether each layer is that of the outputs."""
-    return [number == len(layers) for number in range(1, len(layers) + 1)]
 
 
 def _biases(layer: IntegerLayer, output: bool) -> list[tuple[int, int]]:

@@ -30,7 +30,7 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.function_table import SEGMENT_WIDTH, format_of
-from golden.engine.grid import OR_NEAREST, Exact, Grid, Value, grid_of
+from golden.engine.grid import OR_NEAREST, Exact, Value, grid_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.engine.sums_of_functions import added_up
@@ -223,14 +223,11 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
             tuple((word_of[node], function) for node, function in added) for added in exact.added
         ),
     )
-    return layer if grid is None else _on_grid(layer, grid)
-
-
-def _on_grid(layer: IntegerLayer, grid: Grid) -> IntegerLayer:
-    """A layer whose codes are those of a quantiser, less the lowest of them."""
-    return replace(
-        layer, shift=DROPPED + grid.cut, rounding=grid.rounding, low=0, high=grid.high, cut=grid.cut
-    )
+    if grid is None:
+        return layer
+    # Its codes are those of the quantiser, less the lowest of them.
+    shift, rounding, high = DROPPED + grid.cut, grid.rounding, grid.high
+    return replace(layer, shift=shift, rounding=rounding, low=0, high=high, cut=grid.cut)
 
 
 def _check_whole(what: str, codes: list[Fraction]) -> None:

@@ -12,11 +12,7 @@ from golden.sensing.converter_reader import ConverterReader
 
 @dataclass(frozen=True)
 class ConverterInstrument(Scanned):
-    """``Instrument`` with a converter that can be bought.
-
-    It computes what the network inside computes, from the samples as the converter digitises them,
-    with one frame per scan.
-    """
+    """``Instrument`` with a converter that can be bought, which digitises the samples."""
 
     block = "converter_instrument"
     stream = "spi"

@@ -8,7 +8,7 @@ from golden.common.block import Block
 from golden.common.flow import Flow, Step, Wire
 from golden.common.port import Port, group, output_port
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax, argmax_of_signals
+from golden.layers.argmax import Argmax
 from golden.networks.network import Around, Network, serial_ports
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -19,8 +19,8 @@ from golden.visualisation.load_profile import LoadProfile
 class Readout(Around):
     """The outputs of a network as a stream and in registers, and what is made of them.
 
-    Thesis section 5.5, Figures 5.12 and 5.25. It computes what the network inside computes: the
-    same outputs from the same frames, in the same clocks.
+    Thesis section 5.5, Figures 5.12 and 5.25. The outputs are those of the network, in the same
+    clocks.
 
     load_profile: None where no profile is drawn.
     results: Indices of the outputs that are load, position, width and shape, where a profile is
@@ -57,7 +57,7 @@ class Readout(Around):
     @property
     def argmax(self) -> Argmax | None:
         """The part that finds the largest output, where there is one."""
-        return argmax_of_signals(self.outputs, self.decides)
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def result_ports(self) -> tuple[Port, ...]:

@@ -71,11 +71,6 @@ class UartInstrument(ConverterInstrument):
 
     The computer sends images to an engine that can be loaded, and lessons to one that learns.
 
-    It computes what the network inside computes, from the samples as the converter digitises them,
-    with one frame per scan.
-
-    converter_reader, readout: Those of ``ConverterInstrument``. The engine inside may be
-        reloadable, or learn.
     divisor: Number of clocks of a bit on the line.
     analogue: Whether the profile leaves as two bits of pulse density. One point of each profile is
         given, and the next point with the next profile, so that a point lasts as long as a low pass
@@ -225,14 +220,11 @@ class UartInstrument(ConverterInstrument):
         return given_x, given_y
 
     @property
-    def packet_clocks(self) -> int:
-        """The least clocks from packet to packet; the line is free when all bytes have left it."""
-        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 1
-
-    @property
     def packet_scans(self) -> int:
         """Scans from one packet to the next, if each scan yields a frame."""
-        return -(-self.packet_clocks // self.interval)
+        # The line is free when all bytes of a packet have left it.
+        clocks = self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 1
+        return -(-clocks // self.interval)
 
     @property
     def packets_a_second(self) -> Fraction:

@@ -10,7 +10,6 @@ from golden.common.border import Border, State
 from golden.common.port import CLOCK, CLOCKED, Port, Unsigned, group, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
-from golden.numbers.precision import SIGNAL
 
 
 @dataclass(frozen=True)
@@ -109,11 +108,6 @@ class Argmax(Block):
             )
         ordered = np.sort(codes, axis=-1)
         return codes.argmax(axis=-1), ordered[..., -1] - ordered[..., -2]
-
-
-def argmax_of_signals(outputs: int, decides: bool) -> Argmax | None:
-    """What finds the largest of a network's outputs; None if nothing is to decide."""
-    return Argmax(SIGNAL, outputs) if decides else None
 
 
 @dataclass(frozen=True)

@@ -239,8 +239,12 @@ class ConstantMatrix(Block):
         """Results before they saturate or are rectified, from the values of each sample."""
         numbers, found = self.graph.numbers(samples), []
         for row, finish in zip(self.graph.rows, self.row_finishes, strict=True):
-            result, rest = _split(row, numbers[row.node], self.drop(row))
-            found.append(result - (result & 1) * (rest == 0) if finish.even else result)
+            number, drop = numbers[row.node], self.drop(row)
+            result = _result(row, number, drop)
+            if finish.even:
+                dropped = (~number if row.minus else number) & ((1 << max(0, drop)) - 1)
+                result = result - (result & 1) * (dropped == 0)
+            found.append(result)
         return found
 
     def process(self, frames: ArrayLike) -> Codes:
@@ -257,12 +261,6 @@ class ConstantMatrix(Block):
         words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
         clipped = np.clip(np.stack(words, axis=-1), self.result_lows, self.out_fmt.high)
         return clipped.astype(np.int64)
-
-
-def _split(row: Row, number: Any, drop: int) -> tuple[Any, Any]:
-    """A row's result, and the bits that it drops, as a number from 0."""
-    rest = (~number if row.minus else number) & ((1 << max(0, drop)) - 1)
-    return _result(row, number, drop), rest
 
 
 def _result(row: Row, number: Any, drop: int) -> Any:

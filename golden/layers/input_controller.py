@@ -1,7 +1,6 @@
 """CONTROLLER 1: counts the samples of a frame and refuses frames of a wrong length."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,17 +35,6 @@ class FrameScan:
     accept: NDArray[np.bool_]
     done: NDArray[np.bool_]
     error: NDArray[np.bool_]
-
-
-class FrameJudge(Protocol):
-    """A block that decides which frames a network accepts."""
-
-    @property
-    def inputs(self) -> int:
-        """Number of elements of a good frame."""
-
-    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
-        """Decisions for elements that arrive after a reset; see ``judge``."""
 
 
 def judge(
@@ -96,12 +84,8 @@ class InputController(Block):
         whose outputs or activations need more clocks than a frame has samples sets it to that
         number of clocks; otherwise it is 0 and its counter is left out.
 
-    A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
-    the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error. Of an
-    overlong frame everything up to and including its ``last`` is dropped.
-
-    The name of the entity contains ``inputs`` and ``spacing``, so that controllers of equal frames
-    are one entity.
+    Frames are judged as in ``judge``. The name of the entity contains ``inputs`` and ``spacing``,
+    so that controllers of equal frames are one entity.
     """
 
     block = "input_controller"

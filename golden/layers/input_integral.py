@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
-from golden.layers.weighted_sum import NodeSum, WeightedSum
+from golden.layers.weighted_sum import RowSums, WeightedSum
 from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 
 
@@ -76,11 +74,10 @@ class InputNode(WeightedSum):
 
 
 @dataclass(frozen=True)
-class InputIntegral(WeightedSum):
+class InputIntegral(RowSums):
     """q_j = b_j + sum_k w_jk x_k for every hidden node j (thesis section 5.4.5.1).
 
-    weights: One row of codes of ``coeff_fmt`` per hidden node, in the order of the samples.
-    biases: Codes of ``coeff_fmt``, one per hidden node.
+    weights: A row for each hidden node.
 
     The block holds the weights and biases. All its nodes are instances of one entity, whose
     accumulator holds the widest sum of all.
@@ -88,13 +85,6 @@ class InputIntegral(WeightedSum):
 
     block = "input_integral"
     section = "5.4.5.1"
-    weights: tuple[tuple[int, ...], ...]
-    biases: tuple[int, ...]
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.inputs)
-        self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.hidden)
 
     @property
     def inputs(self) -> int:
@@ -107,13 +97,6 @@ class InputIntegral(WeightedSum):
     @property
     def addr_width(self) -> int:
         return max(1, (self.inputs - 1).bit_length())
-
-    @property
-    def acc_width(self) -> int:
-        """Bits of the sums. They are enough for every partial sum of every node."""
-        shape = (self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift)
-        rows = zip(self.weights, self.biases, strict=True)
-        return max(NodeSum(*shape, weights, bias).acc_width for weights, bias in rows)
 
     @property
     def node(self) -> InputNode:
@@ -150,15 +133,6 @@ class InputIntegral(WeightedSum):
     def parts(self) -> tuple[Block, ...]:
         return (self.node,) * self.hidden
 
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        rows = enumerate(zip(self.weights, self.biases, strict=True))
-        return tuple(
-            border
-            for j, (row, bias) in rows
-            for border in self.borders_of(f"sum {j}", np.array(row), bias)
-        )
-
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (frames,) = inputs
         return {f"sum {j}": sums for j, sums in enumerate(self.exact(frames).T)}
@@ -167,8 +141,3 @@ class InputIntegral(WeightedSum):
         """Results, shape (..., hidden), for frames of samples, shape (..., inputs)."""
         exact = self.exact(frames)
         return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
-
-    def exact(self, frames: ArrayLike) -> Codes:
-        """The sums before they are rounded; see ``process``."""
-        x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
-        return self.sums(x, np.array(self.weights), np.array(self.biases))

@@ -5,21 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.common.border import Border
 from golden.common.port import CLOCKED, Port, Unsigned, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.weighted_sum import WeightedSum, tree_depth
+from golden.layers.weighted_sum import RowSums, tree_depth
 from golden.numbers.fixed import Codes, Overflow, Rounding, requantise, signed_width
 
 
 @dataclass(frozen=True)
-class OutputIntegral(WeightedSum):
+class OutputIntegral(RowSums):
     """y_i = (b_i + sum_j w_ij r_j) Y_i, one output per clock (thesis equation 5.2, Figure 5.11).
 
     in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``; the samples are the activations
         r.
-    weights: One row of codes of ``coeff_fmt`` per output.
-    biases: Codes of ``coeff_fmt``, one per output.
+    weights: A row for each output.
     factors: De-normalisation Y_i (equation 4.17). With None its multiplier is left out.
 
     The sum and its product with Y_i are exact. The result is rounded half up (in ``thesis``
@@ -28,14 +26,10 @@ class OutputIntegral(WeightedSum):
 
     block = "output_integral"
     section = "5.4.5.3"
-    weights: tuple[tuple[int, ...], ...]
-    biases: tuple[int, ...]
     factors: tuple[int, ...] | None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.hidden)
-        self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.outputs)
         if self.factors is not None and (
             len(self.factors) != self.outputs or min(self.factors) < 1
         ):
@@ -86,34 +80,15 @@ class OutputIntegral(WeightedSum):
     def hidden(self) -> int:
         return len(self.weights[0])
 
-    def sum_range(self, row: int) -> tuple[int, int]:
-        """Least and largest value of any partial sum of output ``row``."""
-        least, most = self.partial_sums(self.weights[row], self.biases[row])
-        return int(least), int(most)
-
-    @property
-    def acc_width(self) -> int:
-        """Bits of the sum. They are enough for every partial sum of every output."""
-        return signed_width(end for i in range(self.outputs) for end in self.sum_range(i))
-
     @property
     def scaled_width(self) -> int:
         """Bits of the sum after the product with its factor."""
-        if self.factors is None:
-            return self.acc_width
-        return signed_width(
-            end * self.factors[i] for i in range(self.outputs) for end in self.sum_range(i)
-        )
+        pairs = zip(self.sum_ranges, self.row_factors, strict=True)
+        return signed_width(end * factor for ends, factor in pairs for end in ends)
 
     @property
-    def borders(self) -> tuple[Border, ...]:
-        factors = self.factors or (1,) * self.outputs
-        rows = enumerate(zip(self.weights, self.biases, factors, strict=True))
-        return tuple(
-            border
-            for i, (row, bias, factor) in rows
-            for border in self.borders_of(f"sum {i}", np.array(row), bias, factor)
-        )
+    def row_factors(self) -> tuple[int, ...]:
+        return self.factors or super().row_factors
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         addr, _, *activations = inputs
@@ -122,12 +97,5 @@ class OutputIntegral(WeightedSum):
 
     def process(self, activations: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (..., outputs), for activations, shape (..., hidden)."""
-        acc = self.exact(activations)
-        if self.factors is not None:
-            acc = acc * np.asarray(self.factors, dtype=np.int64)
-        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
-
-    def exact(self, activations: ArrayLike) -> Codes:
-        """The sums before the product with their factors; see ``process``."""
-        r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
-        return self.sums(r, np.array(self.weights), np.array(self.biases))
+        scaled = self.exact(activations) * np.array(self.row_factors)
+        return requantise(scaled, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -351,7 +351,10 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0
             sharing = again(matrix, best[2], Random(run))
         sharing.run()
         graph, rows = sharing.graph, sharing.rows
-        clocks, least = stages(least_depth(graph, rows)), 0
+        # Levels below which the terms of some row cannot be added up; see ``add_up``.
+        weights = (sum(1 << graph.levels[node] for node, _ in row) for row in rows)
+        needed = max((weight - 1).bit_length() if weight else 0 for weight in weights)
+        clocks, least = stages(needed), 0
         costs: list[tuple[int, int]] = []
         while not least or clocks < least + operands:
             depth = clocks * levels - spare
@@ -371,12 +374,6 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0
     bits, chosen = found[least]
     more_bits, more = found.get(least + 1, found[least])
     return more if more_bits * (PAYS + 1) < bits * PAYS else chosen
-
-
-def least_depth(graph: GraphBuilder, rows: Sequence[dict[Term, int]]) -> int:
-    """Levels below which the terms of some row cannot be added up; see ``add_up``."""
-    weights = (sum(1 << graph.levels[node] for node, _ in row) for row in rows)
-    return max((weight - 1).bit_length() if weight else 0 for weight in weights)
 
 
 def finished(
@@ -447,10 +444,9 @@ def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) 
         "operands": operands,
         "runs": runs,
     }
-    return of_data(
-        matrix,
-        keeper(parts, bool(runs), lambda: as_data(shared(matrix, levels, spare, operands, runs))),
-    )
+    data = keeper(parts, bool(runs), lambda: as_data(shared(matrix, levels, spare, operands, runs)))
+    nodes, rows = map(_node, data["nodes"]), (Row(*row) for row in data["rows"])
+    return ShiftAdd(matrix.ends, tuple(nodes), tuple(data["lows"]), tuple(rows))
 
 
 def as_data(graph: ShiftAdd) -> dict[str, list[object]]:
@@ -460,16 +456,6 @@ def as_data(graph: ShiftAdd) -> dict[str, list[object]]:
         "lows": list(graph.lows),
         "rows": [[row.node, row.shift, row.minus] for row in graph.rows],
     }
-
-
-def of_data(matrix: Matrix, data: dict[str, list[Any]]) -> ShiftAdd:
-    """The graph that ``as_data`` gave as data."""
-    return ShiftAdd(
-        matrix.ends,
-        tuple(_node(one) for one in data["nodes"]),
-        tuple(data["lows"]),
-        tuple(Row(*row) for row in data["rows"]),
-    )
 
 
 def _node_data(node: Node) -> list[object]:

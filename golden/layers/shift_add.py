@@ -203,15 +203,9 @@ class ShiftAdd:
             elif isinstance(node, Constant):
                 found.append(samples[0] * 0 + node.value)
             else:
-                terms = [
-                    aligned(found[one.node], step)
-                    for one, step in zip(node.operands, self.steps(place), strict=True)
-                ]
-                signs = [one.sign > 0 for one in node.operands]
-                total = terms[0] if signs[0] else -terms[0]
-                for term, added in zip(terms[1:], signs[1:], strict=True):
-                    total = total + term if added else total - term
-                found.append(total)
+                pairs = zip(node.operands, self.steps(place), strict=True)
+                first, *rest = (one.sign * aligned(found[one.node], step) for one, step in pairs)
+                found.append(sum(rest, first))
         return found
 
 

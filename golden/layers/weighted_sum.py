@@ -306,3 +306,51 @@ class NodeSum(WeightedSum):
         """The sums before they are scaled; see ``process``."""
         x = self.in_fmt.check(frames, f"{self.block} frames", len(self.weights))
         return self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]
+
+
+@dataclass(frozen=True)
+class RowSums(WeightedSum):
+    """A sum for each row of weights.
+
+    weights: Rows of codes of ``coeff_fmt``, in the order of the samples.
+    biases: Codes of ``coeff_fmt``, one for each row.
+    """
+
+    weights: tuple[tuple[int, ...], ...]
+    biases: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        columns = len(self.weights[0])
+        self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", columns)
+        self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", len(self.weights))
+
+    @property
+    def row_factors(self) -> tuple[int, ...]:
+        """What the sum of each row is multiplied by."""
+        return (1,) * len(self.weights)
+
+    @property
+    def sum_ranges(self) -> list[tuple[int, int]]:
+        """For each row the least and the largest value of any partial sum."""
+        ends = self.partial_sums(np.array(self.weights), np.array(self.biases))
+        return list(zip(*(side.tolist() for side in ends), strict=True))
+
+    @property
+    def acc_width(self) -> int:
+        """Bits of the sums. They are enough for every partial sum of every row."""
+        return signed_width(end for ends in self.sum_ranges for end in ends)
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        rows = enumerate(zip(self.weights, self.biases, self.row_factors, strict=True))
+        return tuple(
+            border
+            for i, (row, bias, factor) in rows
+            for border in self.borders_of(f"sum {i}", np.array(row), bias, factor)
+        )
+
+    def exact(self, frames: ArrayLike) -> Codes:
+        """The sums before they are scaled and rounded, shape (..., rows)."""
+        x = self.in_fmt.check(frames, f"{self.entity} frames", len(self.weights[0]))
+        return self.sums(x, np.array(self.weights), np.array(self.biases))

@@ -14,7 +14,7 @@ of the row.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,42 +129,18 @@ def bounded(theta: Codes, wanted: Codes) -> tuple[Codes, NDArray[np.bool_]]:
     return np.where(fits[:, np.newaxis], wanted, theta), fits
 
 
-@dataclass(frozen=True)
-class Gradient:
-    """Steps along the derivatives.
+def lms_step(
+    theta: Codes, found: Equation, step: int, leak: int
+) -> tuple[Codes, NDArray[np.bool_]]:
+    """Theta after an equation, and whether the step was taken.
 
-    constant, shape (outputs, 2): Steps in the format ``STEP``, and leaks; see ``constants``.
-    equation: What makes the equations.
+    step, leak: The step in the format ``STEP``, and the leak of its output; see ``constants``.
     """
-
-    taught: Corrected
-    constant: Codes
-    equation: Callable[..., Equation] = equation
-
-    def learn(self, lesson: Lesson, passes: int) -> tuple[Codes, int]:
-        """Theta after so many passes over the placements, shape (drifts, 2 sensors).
-
-        Returns also how many steps were not taken, of all drifts.
-        """
-        theta, refused = start(lesson, self.taught), 0
-        for _ in range(passes):
-            for placement in range(len(lesson)):
-                for output in range(self.taught.outputs):
-                    theta, taken = self.step(lesson, theta, placement, output)
-                    refused += int((~taken).sum())
-        return theta, refused
-
-    def step(
-        self, lesson: Lesson, theta: Codes, placement: int, output: int
-    ) -> tuple[Codes, NDArray[np.bool_]]:
-        """Theta after the equation of one output of one placement, and whether it was taken."""
-        found = self.equation(self.taught, lesson, theta, placement, output)
-        step, leak = self.constant[output]
-        moved = rounded(found.error * step)
-        # With 28 fraction bits.
-        by = moved[:, np.newaxis] * (found.row >> SHORT)
-        wanted = (theta << DROPPED) + by - theta * leak
-        return bounded(theta, (wanted + HALF_WORD) >> DROPPED)
+    moved = rounded(found.error * step)
+    # With 28 fraction bits.
+    by = moved[:, np.newaxis] * (found.row >> SHORT)
+    wanted = (theta << DROPPED) + by - theta * leak
+    return bounded(theta, (wanted + HALF_WORD) >> DROPPED)
 
 
 def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
@@ -210,7 +186,7 @@ class Pupil:
     ) -> None:
         self.taught = taught
         self.steps = self.refused = self.changes = 0
-        self._rule = Gradient(taught, np.array(constants))
+        self._constants = constants
         self._kept: deque[Lesson] = deque(maxlen=placements)
         self.theta: Codes = np.zeros(2 * taught.sensors, dtype=np.int64)
         # The placement and the output of the next equation.
@@ -249,7 +225,8 @@ class Pupil:
             return False
         lesson = self._kept[self._shown]
         before = self.theta[np.newaxis]
-        (self.theta,), (taken,) = self._rule.step(lesson, before, 0, self._output)
+        found = equation(self.taught, lesson, before, 0, self._output)
+        (self.theta,), (taken,) = lms_step(before, found, *self._constants[self._output])
         self.steps += int(taken)
         self.changes += int(taken)
         self.refused += int(not taken)

@@ -61,16 +61,6 @@ TO_JUMP = 3
 _MOST_PRODUCT = 1 << (2 * (WIDTH - 1) - SHORT)
 
 
-def ends(word: int) -> bool:
-    """Whether a word marks the last step of a part."""
-    return bool(get(word, END) and get(word, STORE))
-
-
-def jumps(word: int) -> bool:
-    """Whether a word marks where the counter leaves what all equations begin with."""
-    return bool(get(word, END) and not get(word, STORE))
-
-
 class LessonPipeline(Pipeline):
     """That of an engine, with a clock more in which the counter goes to the frame's first step."""
 
@@ -144,7 +134,9 @@ class LessonProgram:
     def begun_alike(self) -> int:
         """How many words all equations begin with."""
         first = self.starts[EQUATIONS]
-        return next(n for n in count() if jumps(self.word(first + n))) + TO_JUMP
+        # An end without a sum marks where the counter leaves what all equations begin with.
+        words = ((n, self.word(first + n)) for n in count())
+        return next(n for n, word in words if get(word, END) and not get(word, STORE)) + TO_JUMP
 
     @cached_property
     def output_steps(self) -> tuple[int, ...]:
@@ -171,7 +163,7 @@ class LessonProgram:
     def _marks(self, part: int) -> list[int]:
         """The words that hold the marks of the steps of a part, up to its end."""
         found = [self._read(part, self.pipeline.mark)]
-        while not ends(found[-1]):
+        while not (get(found[-1], END) and get(found[-1], STORE)):
             found.append(self._read(part, self.pipeline.mark + len(found)))
         return found
 
@@ -252,10 +244,8 @@ class LessonProgram:
 
     @cached_property
     def _lines(self) -> tuple[Codes, Codes]:
-        pairs = [(get(word, INTERCEPT), get(word, SLOPE)) for word in self.table]
-        return signed_code(np.array([i for i, _ in pairs])), signed_code(
-            np.array([s for _, s in pairs])
-        )
+        table = np.array(self.table)
+        return signed_code(get(table, INTERCEPT)), signed_code(get(table, SLOPE))
 
 
 def lesson_program(

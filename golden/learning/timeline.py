@@ -175,7 +175,9 @@ class Timeline:
         kept, passed = keeping and t == self.keep.ends, studying and t == self.study.ends
         self._tell(arrives, ended=busy and t == self.frame.ends)
         if kept and self.putting:
-            self._put()
+            # Theta that came in is the one in use from now on.
+            self.met["theta put in"] += 1
+            self.bank, self.stepped = 1 - self.bank, True
         if kept and not self.putting:
             self._keep()
         elif passed:
@@ -253,11 +255,6 @@ class Timeline:
             self.unread = range(self.program.places.unknowns)
         else:
             self.unread = range(0) if arrives else self.unread[1:]
-
-    def _put(self) -> None:
-        """Theta that came in is the one in use from now on."""
-        self.met["theta put in"] += 1
-        self.bank, self.stepped = 1 - self.bank, True
 
     def _keep(self) -> None:
         """Keep a placement, with which learning goes on."""

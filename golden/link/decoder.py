@@ -113,7 +113,8 @@ class Decoder:
                 self._skip(1)
             elif len(kept) < end:
                 break
-            elif not _sound(kept, at, end):
+            # The check over bytes and their own check is 0.
+            elif check_of(bytes(kept[at + 1 : end])):
                 tally.failed += self._own(kind, length)
                 self._skip(1)
                 end = at + 1
@@ -148,8 +149,3 @@ class Decoder:
         unheard = min(count, self._joining)
         self._joining -= unheard
         self.tally.skipped += count - unheard
-
-
-def _sound(kept: bytearray, at: int, end: int) -> bool:
-    check = int.from_bytes(kept[end - CHECK_BYTES : end], "big")
-    return check_of(bytes(kept[at + 1 : end - CHECK_BYTES])) == check

@@ -10,7 +10,7 @@ from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax, argmax_of_signals
+from golden.layers.argmax import Argmax
 from golden.link.packets import COUNT_BYTES, FLAGS, STATES, Frame, FrameLayout
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -88,7 +88,7 @@ class PacketSender(Block):
     @property
     def argmax(self) -> Argmax | None:
         """What finds the largest output in front of this block, where a packet carries it."""
-        return argmax_of_signals(self.outputs, self.decides)
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def ports(self) -> tuple[Port, ...]:

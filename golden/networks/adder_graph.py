@@ -100,7 +100,7 @@ class AdderGraph(AtOnce):
                 )
             return cls._of_tanh(networks, settings, chosen, variant)
         (network,) = integer_networks("single", networks, settings.met)
-        return cls(**vars(compile_matrices(network, chosen)), variant=variant)
+        return cls(**compile_matrices(network, chosen), variant=variant)
 
     @classmethod
     def _of_tanh(

@@ -9,7 +9,7 @@ from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax, argmax_of_signals
+from golden.layers.argmax import Argmax
 from golden.layers.input_controller import InputController
 from golden.networks.network import Around, Network, frame_error
 from golden.numbers.fixed import Codes, Fix
@@ -30,8 +30,8 @@ FIFO_CLOCKS = 2
 class AxisNetwork(Around):
     """A network whose frames and outputs are transferred with a handshake.
 
-    It computes the same outputs from the same frames as the network inside. A frame consists of its
-    samples alone; the slots that a cascade needs behind them are added inside.
+    A frame consists of its samples alone; the slots that a cascade needs behind them are added
+    inside.
 
     network: A network whose outputs are a stream.
     decides: Whether the last output of a frame carries index and margin of the largest one as
@@ -48,7 +48,7 @@ class AxisNetwork(Around):
 
     @property
     def argmax(self) -> Argmax | None:
-        return argmax_of_signals(self.outputs, self.decides)
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -19,9 +19,6 @@ from golden.sensing.stream_multiplexer import StreamMultiplexer
 class Cascade(Several):
     """y_i = network_i(x, y_1 ... y_(i-1)) (thesis sections 3.12 and 5.5, Figures 3.22 and 5.12).
 
-    networks: One per output, in the order of the outputs; each has one input more than the one
-        before.
-
     A frame of the hardware's stream has as many elements as the last network has inputs: the
     samples, and then slots for the earlier outputs.
 
@@ -34,9 +31,7 @@ class Cascade(Several):
 
     block = "cascade"
     section = "5.5"
-
-    def _inputs_of(self, number: int) -> int:
-        return self.inputs + number
+    chained = True
 
     @property
     def input_controller(self) -> InputController:

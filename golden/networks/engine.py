@@ -1,6 +1,6 @@
 """Engine: computes a whole scene with a program and multipliers that work side by side."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -239,10 +239,6 @@ class Engine(Design):
     @property
     def operand_memory(self) -> OperandMemory:
         return OperandMemory(self.addr_width, self.program.pipeline.memory_registers)
-
-    @property
-    def options_built(self) -> Mapping[str, object]:
-        return {"lanes": self.lanes}
 
     @property
     def looks_up(self) -> bool:

@@ -27,8 +27,6 @@ class Hybrid(Design):
 
     Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
     activation; layer 2 has one multiplier per hidden node, used once per output.
-
-    activations: One per hidden node.
     """
 
     block = "hybrid"

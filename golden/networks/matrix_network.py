@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
+from typing import Any
 
 from golden.activation.bipartite import Bipartite, bipartite_for
 from golden.activation.bipartite_pair import NODES
@@ -53,25 +54,6 @@ class MatrixOptions:
 
 
 @dataclass(frozen=True)
-class MatrixNetwork:
-    """A network in matrices and tables.
-
-    activations: For each hidden layer the table of each row; empty where the finish is the
-        activation.
-    useless_nodes: Hidden nodes that are not built, because no output uses them.
-    constant_nodes: Hidden nodes that are not built, because they never change: they are part of
-        biases.
-    ranges: Of the hidden layers in which saturation would be an error.
-    """
-
-    layers: tuple[ConstantMatrix, ...]
-    activations: tuple[tuple[Bipartite, ...], ...]
-    useless_nodes: int
-    constant_nodes: int
-    ranges: tuple[Range, ...]
-
-
-@dataclass(frozen=True)
 class LayerWord:
     """A word of the integer network that a matrix takes: ``scale * code + offset``.
 
@@ -102,8 +84,8 @@ class LayerWords:
         return tuple(word.ends for word in self.live.values())
 
 
-def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> MatrixNetwork:
-    """The matrices and tables of an integer network.
+def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> dict[str, Any]:
+    """The matrices and tables of an integer network, by the names that ``AdderGraph`` has for them.
 
     network: It takes samples alone.
 
@@ -150,7 +132,13 @@ def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> MatrixNe
             left = {column: value for column, value in fixed.items() if column not in given}
             fmt = TANH_RESULT if activations[-1] else matrix.out_fmt
             words = LayerWords(fmt, given, left)
-    return MatrixNetwork(tuple(matrices), tuple(activations), useless, constant, tuple(ranges))
+    return {
+        "layers": tuple(matrices),
+        "activations": tuple(activations),
+        "useless_nodes": useless,
+        "constant_nodes": constant,
+        "ranges": tuple(ranges),
+    }
 
 
 def layer_name(number: int) -> str:

@@ -1,6 +1,7 @@
 """Multiple: independent networks side by side, one for each output."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -8,9 +9,8 @@ from golden.common.block import Block
 from golden.common.flow import Flow, SideBySide, Wire
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
 from golden.networks.design import Design
-from golden.networks.network import Network
+from golden.networks.network import FrameJudge, Network
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL
 
@@ -58,15 +58,13 @@ class Several(Network):
     networks: One per output, in the order of the outputs.
     """
 
+    # Whether each network also takes the outputs of those before it.
+    chained: ClassVar[bool] = False
     networks: tuple[Design, ...]
-
-    def _inputs_of(self, number: int) -> int:
-        """The number of inputs that network ``number`` must have."""
-        raise NotImplementedError
 
     def __post_init__(self) -> None:
         shapes = [(network.inputs, network.outputs) for network in self.networks]
-        expected = [(self._inputs_of(i), 1) for i in range(len(shapes))]
+        expected = [(self.inputs + self.chained * n, 1) for n in range(len(shapes))]
         if len(shapes) < 2 or shapes != expected:
             raise InputError(
                 f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected two or more: "
@@ -80,10 +78,6 @@ class Several(Network):
     @property
     def outputs(self) -> int:
         return len(self.networks)
-
-    @property
-    def members(self) -> tuple[Network, ...]:
-        return self.networks
 
     def left_out(self) -> list[str]:
         places: dict[str, list[str]] = {}
@@ -99,10 +93,7 @@ class Several(Network):
 
 @dataclass(frozen=True)
 class Multiple(Several):
-    """y_i = network_i(x): all networks read the same samples (thesis section 3.12, Figure 3.21).
-
-    networks: One per output, in the order of the outputs; all have the same number of inputs.
-    """
+    """y_i = network_i(x): all networks read the same samples (thesis section 3.12, Figure 3.21)."""
 
     block = "multiple"
     section = "3.12, 6.5"
@@ -114,9 +105,6 @@ class Multiple(Several):
         intervals = [network.interval for network in self.networks]
         if len(set(intervals)) > 1:
             raise InputError(f"{self.entity}: got intervals of {intervals}, expected one interval")
-
-    def _inputs_of(self, number: int) -> int:
-        return self.inputs
 
     @property
     def input_controller(self) -> FrameJudge:

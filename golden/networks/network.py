@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
+from golden.engine.frame_check import FrameCheck
 from golden.engine.ranges import Range
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, ArgmaxTree
-from golden.layers.input_controller import FrameJudge
+from golden.layers.input_controller import InputController
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
@@ -22,6 +22,8 @@ from golden.sensing.scan_sequencer import ScanSequencer
 # Number of frames that are computed at a time: 4096 x 16 nodes x 8 bytes fit in a second-level
 # cache.
 CHUNK = 4096
+# A block that decides which frames a network accepts.
+FrameJudge = InputController | FrameCheck
 
 
 @dataclass(frozen=True)
@@ -93,16 +95,6 @@ class Network(Block):
     def frame_clocks(self) -> int:
         """Least clocks from the first element of a frame to its last, both included."""
         return self.input_controller.inputs
-
-    @property
-    def options_built(self) -> Mapping[str, object]:
-        """The options of which less can be built than a scene asks for, with what is built."""
-        return {}
-
-    @property
-    def members(self) -> tuple[Network, ...]:
-        """The networks of which this one is composed, in the order of the outputs."""
-        return ()
 
     @property
     def image(self) -> bytes:

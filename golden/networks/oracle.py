@@ -181,13 +181,19 @@ def _rounded(
     bits are dropped, and half an LSB of the result.
     """
     factors = np.asarray(layer.factors, dtype=np.float64)
-    rounding = np.abs(weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights))
-    total = rounding.sum(axis=1) + np.abs(biases - factors * layer.fmt.to_real(layer.biases))
+    total = _coefficients_off(weights, biases, layer)
     acc_frac = SIGNAL.frac + layer.fmt.frac - precision.product_shift
     cut = weights.shape[1] * 2.0**-acc_frac if precision.product_shift else 0.0
     half = 2.0 ** -(out_frac + 1) if acc_frac > out_frac else 0.0
     result: Real = total + factors * (cut + half)
     return result
+
+
+def _coefficients_off(weights: Real, biases: Real, layer: Layer) -> Real:
+    """How far rounded weights and biases put sums off, shape (neurons,)."""
+    factors = np.asarray(layer.factors, dtype=np.float64)
+    off: Real = np.abs(weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights))
+    return off.sum(axis=1) + np.abs(biases - factors * layer.fmt.to_real(layer.biases))
 
 
 @lru_cache(maxsize=256)
@@ -267,13 +273,11 @@ def exact_layers(design: Design) -> ExactLayers:
 
 @exact_layers.register
 def _(design: Hybrid) -> ExactLayers:
-    first, last = design.input_integral, design.output_integral
-    factors = last.factors or (1,) * last.outputs
-    return ExactLayers(
-        [ExactSum(first, *row) for row in zip(first.weights, first.biases, strict=True)],
-        design.activations,
-        [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
+    hidden, outputs = (
+        [ExactSum(s, *row) for row in zip(s.weights, s.biases, s.row_factors, strict=True)]
+        for s in (design.input_integral, design.output_integral)
     )
+    return ExactLayers(hidden, design.activations, outputs)
 
 
 @exact_layers.register
@@ -376,8 +380,7 @@ def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> R
     The error has three parts: the rounding of weights and bias; the bits that are dropped in the
     sum, with one unit more for the halves that its constant loses; and half a step of the result.
     """
-    rounding = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
-    rounding += np.abs(biases - layer.fmt.to_real(layer.biases))
+    rounding = _coefficients_off(weights, biases, layer)
     units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
     step = 2.0**-matrix.out_fmt.frac
     result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step

@@ -74,8 +74,6 @@ class Parallel(Design):
 
     Every weight of both layers has its own multiplier, N M + M L of them, and every hidden node has
     one activation. All outputs leave in one clock.
-
-    activations: One per hidden node.
     """
 
     block = "parallel"

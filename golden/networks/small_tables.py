@@ -132,7 +132,9 @@ def _cheapest(data: bytes, tolerance: int) -> tuple[tuple[TablePart, tuple[int, 
         )
         if best is None or rank < least:
             best, least = pairs, rank
-    return tuple((part, _as_stored(own, part)) for part, own in best or ())
+    # In the order of the bits in a signal, where the highest is a sign.
+    stored = ((p, np.roll(own, len(own) >> 1) if p.top else own) for p, own in best or ())
+    return tuple((part, tuple(own.tolist())) for part, own in stored)
 
 
 @lru_cache(maxsize=256)
@@ -185,7 +187,10 @@ def fitted(values: Codes, parts: Sequence[TablePart]) -> tuple[list[Codes], int]
     addresses = [_addresses(part, width) for part in parts]
     rest, words = values.copy(), []
     for part, address in zip(parts, addresses, strict=True):
-        words.append(_means(rest, address, 1 << part.width))
+        # The mean of the values of each address. Sums of so few small whole numbers are exact in
+        # floating point.
+        sums = np.bincount(address, rest, 1 << part.width)
+        words.append(np.floor(sums * (1 << part.width) / len(rest)).astype(np.int64))
         rest -= words[-1][address]
     for own, address in zip(words[1:], addresses[1:], strict=True):
         rest += own[address]
@@ -207,21 +212,7 @@ def _rounded(words: Codes) -> Codes:
     return found
 
 
-def _means(values: Codes, address: Codes, count: int) -> Codes:
-    """The mean of the values of each address."""
-    # Sums of so few and small whole numbers are exact in floating point.
-    sums = np.bincount(address, values, count)
-    found: Codes = np.floor(sums * count / len(values)).astype(np.int64)
-    return found
-
-
 @lru_cache(maxsize=1024)
 def _addresses(part: TablePart, width: int) -> Codes:
     """The address for each code of a word, from the least."""
     return part.address(np.arange(1 << width), width)
-
-
-def _as_stored(words: Codes, part: TablePart) -> tuple[int, ...]:
-    """The words in the order of the bits in a signal, where the highest is a sign."""
-    ordered = np.roll(words, len(words) >> 1) if part.top else words
-    return tuple(ordered.tolist())

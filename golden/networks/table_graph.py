@@ -26,7 +26,7 @@ from golden.networks.table_sums import (
     table_sum,
 )
 from golden.numbers.fixed import Codes, Fix
-from golden.numbers.precision import EXACT, SIGNAL, Precision
+from golden.numbers.precision import EXACT, SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
 
@@ -227,7 +227,7 @@ def _tabled(
         made[h] = table_sum(network.hidden[h], [grid] * samples, step, middle)
         grids[h] = Grid.of_sums(fmt, GUARD, step, middle, made[h].error)
     fixed = {
-        h: float(grids[h].centres[_clipped(made[h].constant >> GUARD, fmt) - fmt.low])
+        h: float(grids[h].centres[np.clip(made[h].constant >> GUARD, fmt.low, fmt.high) - fmt.low])
         for h in used
         if not made[h].tables
     }
@@ -242,10 +242,6 @@ def _tabled(
         wanted = FunctionSum(curves, known.constant)
         outputs.append(table_sum(wanted, [grids[h] for h in live], step))
     return [made[h] for h in live], outputs, len(fixed)
-
-
-def _clipped(code: int, fmt: Fix) -> int:
-    return max(fmt.low, min(fmt.high, code))
 
 
 def _added(
@@ -302,11 +298,5 @@ def _(design: TableGraph) -> list[Sequence[int]]:
 
 
 @error_bounds.register
-def _(
-    design: TableGraph,
-    _mlp: Trained,
-    _precision: Precision,
-    _sensors: int,
-    _met: Sequence[float] = (),
-) -> Real:
+def _(design: TableGraph, *_known: object) -> Real:
     return np.array(design.bounds)

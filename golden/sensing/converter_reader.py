@@ -18,11 +18,9 @@ from golden.sensing.scan_sequencer import COUNTER_WIDTHS, Scan
 class ConverterReader(Scan):
     """Reads each sensor with one transfer, and sends a frame if all transfers of a scan are right.
 
-    The upper bits of a counter are the number of the turn and the lower bits the clock within it,
-    as in ``ScanSequencer``. In turn n channel n is read, at the end of the turn; before that
-    ``cs_n`` is high. The codes are stored until the scan is complete. Then its frame leaves, one
-    sample per clock. Sample n is that of sensor n modulo ``inputs``, so that the later slots of a
-    cascade need no transfer.
+    In turn n channel n is read, at the end of the turn; before that ``cs_n`` is high. The codes are
+    stored until the scan is complete. Then its frame leaves, one sample per clock. Sample n is that
+    of sensor n modulo ``inputs``, so that the later slots of a cascade need no transfer.
 
     The wire shows a converter that is missing or stuck: before a transfer the pull-up must hold
     ``miso`` at 1; in the clocks ``part.zeros`` the converter must hold it at 0; and a converter

@@ -55,7 +55,6 @@ class Scan(Block):
 class ScanSequencer(Scan):
     """A counter and its slices (thesis sections 5.4.4 and 5.5).
 
-    The upper bits of the counter are the number of the slot and the lower bits the clock within it.
     Slot n selects sensor n modulo ``inputs``, so that four sensors and seven slots give the
     addresses 00 01 10 11 00 01 10. Late in each slot, when the multiplexer has settled, the
     converter's code is accepted. Where scans need not follow each other as fast as possible, the

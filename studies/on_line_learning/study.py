@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.learning.corrected import Corrected
-from golden.learning.gradient import Gradient, Lesson, constants
+from golden.learning.gradient import Lesson, constants, equation, lms_step, start
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -185,7 +185,11 @@ def learned(drawn: Draws) -> Real:
     known = SIGNAL.quantise(drawn.vectors.targets)[0][drawn.shown]
     targets = np.repeat(known[np.newaxis], len(drawn.noisy), axis=0)
     lesson = Lesson(SIGNAL.quantise(drawn.noisy)[0], targets)
-    theta, _ = Gradient(networks, steps).learn(lesson, PASSES)
+    theta = start(lesson, networks)
+    for placement in list(range(len(lesson))) * PASSES:
+        for output in range(networks.outputs):
+            found = equation(networks, lesson, theta, placement, output)
+            theta, _ = lms_step(theta, found, *steps[output])
     return drawn.worst(
         [
             networks.process(np.broadcast_to(one, (len(rows), len(one))), rows)

@@ -10,8 +10,7 @@ from golden.activation import polynomial, segments
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
 from golden.learning.corrected import THETA
-from golden.learning.gradient import ERROR, ROW, STEP, Equation, Gradient
-from golden.numbers.fixed import Codes
+from golden.learning.gradient import ERROR, ROW, STEP, Equation, lms_step
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import packed
@@ -215,21 +214,13 @@ def learning() -> Iterator[Row]:
     real, aim = ROW.to_real(rows), THETA.to_real(sought)
     constant = STEP.quantise(0.5 / np.array([(real**2).sum(axis=1).max()]))[0]
     rate = float(STEP.to_real(constant)[0])
-    turn = iter(itertools.cycle(range(len(rows))))
-
-    def given(_: object, __: object, theta: Codes, *___: object) -> Equation:
-        row = rows[[next(turn)]]
-        return Equation(ERROR.quantise(ROW.to_real(row) @ (aim - THETA.to_real(theta[0])))[0], row)
-
-    nobody: Any = None
-    alone = np.array(
-        [[constant[0], 0]]
-    )  # without a leak, which would lead away from what is sought
-    rule = Gradient(nobody, alone, given)
     theta = np.zeros((1, 8), dtype=np.int64)
     away, grown = [float(np.linalg.norm(aim))], 0.0
-    for _ in range(LEARNED * len(rows)):
-        theta, _ = rule.step(nobody, theta, 0, 0)
+    for number in range(LEARNED * len(rows)):
+        row = rows[[number % len(rows)]]
+        error = ERROR.quantise(ROW.to_real(row) @ (aim - THETA.to_real(theta[0])))[0]
+        # Without a leak, which would lead away from what is sought.
+        theta, _ = lms_step(theta, Equation(error, row), constant[0], 0)
         away.append(float(np.linalg.norm(THETA.to_real(theta[0]) - aim)))
         grown = max(grown, away[-1] - away[-2])
     values = np.linalg.svd(real, compute_uv=False)

@@ -14,6 +14,7 @@ from golden.input_error import InputError
 from golden.networks.arrangement import arrange, process_real
 from golden.networks.design import Settings
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
@@ -236,7 +237,10 @@ def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:
     """A design of a task with its costs, or why it cannot be built or counted."""
     try:
         network = build(task, candidate)
-        candidate = replace(candidate, options={**candidate.options, **network.options_built})
+        if isinstance(network, Engine):
+            # Fewer lanes may be built than a candidate asks for.
+            options = {**candidate.options, "lanes": network.lanes}
+            candidate = replace(candidate, options=options)
         return Sized(
             candidate,
             settings_for(task, candidate).options,

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
+from golden.networks.multiple import Several
 from golden.networks.network import Network
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
@@ -100,9 +101,10 @@ def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
         if name.startswith("in_"):
             yield (f"dut.{name}", entering, name)
     core, path = design.core, "dut"
+    members = core.networks if isinstance(core, Several) else ()
     if core is not design:
         path = f"dut.{_instance(folder, design.entity, core.entity)}"
-    for network, output in zip(core.members, scene.outputs, strict=False):
+    for network, output in zip(members, scene.outputs, strict=False):
         place = f"{path}.{_instance(folder, core.entity, network.entity)}"
         for name in MEMBER:
             yield (f"{place}.{name}", f"{network.entity}: {output}", name)
