@@ -15,7 +15,6 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "made",
-    "docstrings",
     "package_modules",
     "repository_files",
 ]

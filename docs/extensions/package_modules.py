@@ -5,6 +5,7 @@ page of its own. Each holds the directive ``package-modules``, which this define
 """
 
 import pkgutil
+import re
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from sphinx.util.typing import stringify_annotation
 from golden.numbers.fixed import Codes
 from golden.numbers.real import Real
 
+FIELD = re.compile(r"((?:Returns|Warns with|[*a-z_])[^:]*): (?=\S)")
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("golden", "hdl", "tactus", "tb")
 SHORT = {
@@ -100,16 +102,29 @@ def shorten(
 def skip_defaults(
     app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any
 ) -> bool | None:
-    """Defaults that are numbers of numpy bring a docstring, and would stand on a page twice.
-
-    The other place is the section Attributes of their class.
-    """
+    """Defaults that are numbers of numpy bring a docstring of their own."""
     return True if isinstance(obj, np.generic) else None
+
+
+def mark_fields(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """``name: meaning`` becomes a field, where all first lines of a paragraph begin with names."""
+    start = 0
+    for end in range(len(lines) + 1):
+        if end < len(lines) and lines[end].strip():
+            continue
+        first = [n for n in range(start, end) if not lines[n].startswith(" ")]
+        if first and first[0] == start and all(FIELD.match(lines[n]) for n in first):
+            for n in first:
+                lines[n] = FIELD.sub(lambda found: f":{found[1].replace('*', '')}: ", lines[n], 1)
+        start = end + 1
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("package-modules", PackageModules)
     app.connect("config-inited", write_pages)
+    app.connect("autodoc-process-docstring", mark_fields)
     app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", skip_defaults)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

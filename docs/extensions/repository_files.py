@@ -19,7 +19,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.transforms import SphinxTransform
 
 ROOT = Path(__file__).resolve().parents[2]
-LANGUAGES = {".csv": "text", ".py": "python", ".toml": "toml", "": "text"}
+LANGUAGES = {".csv": "text", ".md": "markdown", ".py": "python", ".toml": "toml", "": "text"}
 LIST = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title></head>
 <body><h2>{title}</h2>

@@ -1,14 +1,12 @@
 """The sensors of the flexible digit, fitted to its recorded vectors by the theory of the beam."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from golden.input_error import InputError
-from golden.numbers.real import Real, checked
+from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 from tactus.core.fingerprint import ROOT
 from tactus.physics.beam import Beam, Loads, StrainSensor
@@ -40,29 +38,17 @@ def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
     )
 
 
-def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = True) -> StrainSensor:
+def fit_sensor(volts: Real, loads: Loads, beam: Beam) -> StrainSensor:
     """Gain, offset and position with which equation 3.9 fits recorded readings best.
 
     It is a least-squares fit over all readings. For each position, gain and offset follow from a
     linear solution, so SciPy searches only the position, starting from the root.
-
-    readings, shape (n,): Readings in V.
-    loads: A load for each reading.
-    spread: Whether to take the width of the loads into account (``mean_arm``); otherwise equation
-        3.5 is used as printed, for a load at a point.
     """
-    most = float(np.finfo(np.float64).max)
-    (volts,) = checked(readings=(readings, -most, most))
-    if volts.ndim != 1 or volts.size < 4:
-        raise InputError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
-    if loads.mass.shape != volts.shape:
-        raise InputError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
-    used = loads if spread else replace(loads, half_width=np.zeros_like(loads.half_width))
 
     def solved(nearness: Real) -> StrainSensor:
         """The fit at length (1 - 1 / nearness): 1 is the root, and 0 is infinitely far outside."""
         position = beam.length * (1 - 1 / float(nearness[0]))
-        unit = StrainSensor(1.0, 0.0, position, beam).read(used)
+        unit = StrainSensor(1.0, 0.0, position, beam).read(loads)
         matrix = np.stack([unit, np.ones_like(unit)], axis=1)
         # The readings of a distant gauge are huge. Columns of similar size keep the solution
         # accurate.
@@ -72,20 +58,18 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
 
     last = 0.99 * loads.position.max()
     ends = 1 / FARTHEST, beam.length / (beam.length - last)
-    found = least_squares(lambda u: solved(u).read(used) - volts, [1.0], bounds=ends)
+    found = least_squares(lambda u: solved(u).read(loads) - volts, [1.0], bounds=ends)
     return solved(found.x)
 
 
-def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[StrainSensor]:
+def fit_sensors(table: Real, beam: Beam) -> list[StrainSensor]:
     """Fit each sensor.
 
     table, shape (rows, sensors + 4): Readings, then load, position, width and shape as coded
         targets.
-    beam, spread: See ``fit_sensor``, which also raises the same errors.
     """
-    rows = np.asarray(table, dtype=np.float64)
-    loads = loads_from_codes(rows[:, -len(COLUMNS) :], beam)
-    return [fit_sensor(column, loads, beam, spread) for column in rows[:, : -len(COLUMNS)].T]
+    loads = loads_from_codes(table[:, -len(COLUMNS) :], beam)
+    return [fit_sensor(column, loads, beam) for column in table[:, : -len(COLUMNS)].T]
 
 
 def read_sensors(sensors: Sequence[StrainSensor], loads: Loads) -> Real:

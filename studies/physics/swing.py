@@ -28,9 +28,6 @@ class Swing:
 
     mass: D in kg, 1 mg to 1000 t.
     arm: I'_p, the distance from the axis to the centre of the mass, 1 mm to 100 m.
-    gyration: Radius of gyration of the mass about its own centre in m, 0 to 100. The moment of
-        inertia of Appendix 7, equation 3, is J_x = D gyration^2. With 0 the motion is that of
-        equation 2 as printed.
     damping: kappa in m/s, 0 or more; the rate kappa / arm may be up to 1e6 1/s. Appendix 7 has
         0.05.
     leg: I_p, the length of a leg, 1 mm to 100 m.
@@ -41,7 +38,6 @@ class Swing:
 
     mass: float = 10.0
     arm: float = 0.480
-    gyration: float = 0.0
     damping: float = 0.05
     leg: float = 0.720
     feet: float = 0.600
@@ -51,7 +47,6 @@ class Swing:
         checked(
             mass=(self.mass, 1e-6, 1e6),
             arm=(self.arm, 1e-3, 100),
-            gyration=(self.gyration, 0, 100),
             damping=(self.damping, 0, MOST_DAMPING * self.arm),
             leg=(self.leg, 1e-3, 100),
             feet=(self.feet, 1e-3 * self.leg, 1.999 * self.leg),
@@ -75,8 +70,8 @@ class Swing:
 
     @property
     def natural_frequency(self) -> float:
-        """Frequency of small swings without damping in rad/s; its square is D a_g I'_p / J."""
-        return math.sqrt(GRAVITY * self.arm) / math.hypot(self.arm, self.gyration)
+        """Frequency of small swings without damping in rad/s; its square is a_g / I'_p."""
+        return math.sqrt(GRAVITY * self.arm) / self.arm
 
 
 @dataclass(frozen=True)
@@ -94,7 +89,7 @@ class Motion:
 
 
 def swing_motion(swing: Swing, start: float, seconds: float, rate: float = 200.0) -> Motion:
-    """Solve Appendix 7, equation 2: phi'' + kappa / I'_p phi' + (D a_g I'_p / J) sin(phi) = 0.
+    """Solve Appendix 7, equation 2: phi'' + kappa / I'_p phi' + (a_g / I'_p) sin(phi) = 0.
 
     start: phi_initial in rad, -pi to pi. The swing is released at rest. pi is upright, where the
         swing stays because nothing pushes it.
@@ -138,22 +133,16 @@ def swing_motion(swing: Swing, start: float, seconds: float, rate: float = 200.0
 def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
     """Forces on the axis in N by Appendix 7: F_x towards foot 2, and F_y downwards.
 
-    Along the rod acts F_cp = D (a_g cos(phi) + I'_p phi'^2). Across it acts F_m, which comes from
-    the inertia of the mass about its own centre; a point mass has none. F_cp is computed from the
-    speed, so that it holds with damping too. Without damping it equals what energy gives for a
-    point mass, D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass, like the drag of
-    the air, and not on the bearing.
+    Along the rod acts F_cp = D (a_g cos(phi) + I'_p phi'^2); across it a point mass exerts no
+    force. F_cp is computed from the speed, so that it holds with damping too. Without damping it
+    equals what energy gives, D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass,
+    like the drag of the air, and not on the bearing.
 
     angle, speed: phi in rad and phi' in rad/s, finite. They are broadcast.
     """
     phi, rate = checked(angle=(angle, -1e12, 1e12), speed=(speed, -1e12, 1e12))
-    inertia = swing.gyration**2 / (swing.arm**2 + swing.gyration**2)
-    drag = swing.damping * (swing.gyration / swing.arm) ** 2
     pull = swing.mass * (GRAVITY * np.cos(phi) + swing.arm * rate**2)
-    across = swing.mass * (inertia * GRAVITY * np.sin(phi) + drag * rate)
-    horizontal = pull * np.sin(phi) - across * np.cos(phi)
-    downward = pull * np.cos(phi) + across * np.sin(phi)
-    return horizontal, downward
+    return pull * np.sin(phi), pull * np.cos(phi)
 
 
 def foot_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
