@@ -125,6 +125,17 @@ def run(*words: str | Path, folder: Path = ROOT, **variables: str) -> CompletedP
     )
 
 
+def browse(page: str, folder: Path, *options: str) -> str:
+    """What a browser prints of a page, by default its elements after two seconds of its clock."""
+    command = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+    # No host name resolves, so that nothing can be loaded from a network.
+    command += ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"]
+    command += [f"--user-data-dir={folder / 'browser'}", "--virtual-time-budget=2000"]
+    done = run("timeout", "120", "chromium", *command, *(options or ["--dump-dom"]), page)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def copied_job(job: Job, folder: Path) -> Job:
     """The same bench on a copy of its files, which may be changed."""
     copied = replace(job, build=folder)

@@ -19,6 +19,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner, Result
 from conftest import on_engine, tiered
 from packaging.requirements import Requirement
+from shared import run as shared_run
 
 from golden.input_error import InputError, naming
 from golden.numbers.fixed import Fix
@@ -397,9 +398,7 @@ def test_a_wheel_works_from_any_folder(tmp_path: Path) -> None:
     (place / "tb" / "__init__.py").write_text("raise SystemExit('not this one')\n")
 
     def tactus(*words: str) -> subprocess.CompletedProcess[str]:
-        tool = prefix / "bin" / "tactus"
-        command = [tool, *words]
-        return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
+        return shared_run(prefix / "bin" / "tactus", *words, folder=place)
 
     for words in (["check", "digit"], ["vhdl", "digit"], ["demo", "digit-load"]):
         done = tactus(*words)

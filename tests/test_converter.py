@@ -381,13 +381,6 @@ def test_make_check_tells_the_rate(tmp_path) -> None:
     assert found.text == scene.front_end.describe()
 
 
-def test_a_rate_needs_the_clock(tmp_path) -> None:
-    scene = scene_with(tmp_path, "rate_hz = 200\n")
-    text = scene.path.read_text(encoding="utf-8")
-    scene.path.write_text(text.replace("[hardware]", "[hardware]\nclock_mhz = 100", 1), "utf-8")
-    assert load_scene(str(scene.path)).twin().interval == 500_000
-
-
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> None:
     """There are four slots, and the networks take a frame every eleven clocks."""

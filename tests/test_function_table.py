@@ -82,16 +82,6 @@ def test_corners_between_segments_are_exact(places: list[int], heights: list[int
     assert table.error <= 1.01 * 2.0**-table.result.frac
 
 
-def test_a_table_is_cut_to_what_sums_reach() -> None:
-    lines = joined((BELL, SOFTSIGN), 9)
-    short = lines.within(40 << 9)
-    assert (short.segments, short.blocks) == (64, 3)
-    for block in range(3):
-        whole = lines.intercepts[block * 256 : block * 256 + 64]
-        assert short.intercepts[block * 64 : (block + 1) * 64] == whole
-    assert lines.within(0).segments == 2
-
-
 # On the engine.
 
 
@@ -109,17 +99,6 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_table(function: Functio
     bound = off * np.abs(second.weights).sum() + 2.0**-13
     real = np.clip(dense.process(SIGNAL.to_real(codes)), -1, SIGNAL.to_real(SIGNAL.high))
     assert np.abs(SIGNAL.to_real(engine.process(codes)) - real).max() <= bound
-
-
-def test_one_odd_function_is_the_hardware_of_tanh() -> None:
-    """Only the words differ: no step names a block, and weights stand where they stood."""
-    shape = (2, 3, 1)
-    one, tanh = (network(shape, (kind,), 20.0) for kind in ("table:softsign", "tanh"))
-    engines = [Engine.of([net], Settings()) for net in (one, tanh)]
-    assert engines[0].program.blocks == 1
-    assert [e.program.layout["place"][1] for e in engines] == [0, 0]
-    assert len({e.program.words for e in engines}) == 1
-    assert Engine.of([network(shape, ("table:gaussian",))], Settings()).program.blocks > 1
 
 
 def test_tables_that_take_too_much_memory_are_refused() -> None:

@@ -82,6 +82,10 @@ class Desk:
         self.play(sent(samples[np.newaxis]), clocks=self.twin.interval)
         self.play([], sent(known[np.newaxis]), clocks=60)
 
+    def show_all(self, lesson: Lesson) -> None:
+        for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
+            self.show(samples, known)
+
     def learn(self, count: int) -> None:
         """Until so many equations were computed."""
         met, before = self.timeline.met, self._equations
@@ -114,8 +118,7 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
     taught, rate = taught_of(scene)
     found = scene.twin()
     desk = Desk(found)
-    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
-        desk.show(samples, known)
+    desk.show_all(lesson)
     theta, refused = start(lesson, taught), 0
     # A new placement comes first, and the oldest one after it.
     order = [len(lesson) - 1, *list(range(len(lesson))) * passes]
@@ -130,19 +133,6 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
     assert (refused > 0) is impossible
 
 
-def test_outputs_are_those_of_the_corrected_networks(twin: LearningEngine) -> None:
-    taught, _ = taught_of(SCENE)
-    lesson, desk = drifted(2), Desk(twin)
-    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
-        desk.show(samples, known)
-    desk.learn(6 * twin.outputs)
-    theta = np.array(desk.timeline.theta)[np.newaxis]
-    seen = desk.play(sent(lesson.samples[0, :1]), clocks=twin.interval)
-    outputs = [row[1] for row in seen if row[0]]
-    np.testing.assert_array_equal(outputs, taught.process(theta, lesson.samples[0, :1])[0])
-    assert outputs != twin.process(lesson.samples[0, :1])[0].tolist()
-
-
 def read_behind(desk: Desk, frame: Codes) -> list[int]:
     """The codes of theta that leave behind a frame."""
     seen = desk.play(sent(frame[np.newaxis]), clocks=desk.twin.interval + 2 * desk.twin.inputs + 3)
@@ -153,8 +143,7 @@ def test_what_was_learned_is_read_and_put_in_again(twin: LearningEngine) -> None
     """Outputs of a second board are those of networks with the theta that the first one told."""
     taught, _ = taught_of(SCENE)
     lesson, first, second = drifted(4), Desk(twin), Desk(twin)
-    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
-        first.show(samples, known)
+    first.show_all(lesson)
     first.learn(20 * twin.outputs)
     frame = VECTORS.codes[0]
     codes = read_behind(first, frame)
@@ -176,7 +165,7 @@ def test_what_was_learned_is_read_and_put_in_again(twin: LearningEngine) -> None
 
 def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
     lesson, desk = drifted(1), Desk(twin)
-    desk.show(lesson.samples[0, 0], lesson.targets[0, 0])
+    desk.show_all(lesson)
     desk.learn(3)
     assert any(desk.timeline.theta)
     desk.timeline.clock(desk.clock, 0, 0, 0, 0, 0, 0, 0, 0, 1)

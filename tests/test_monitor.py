@@ -4,8 +4,6 @@ import csv
 import json
 import os
 import re
-import shutil
-import subprocess
 import threading
 import time
 import urllib.error
@@ -19,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from refused import call
+from shared import browse
 
 from golden.input_error import InputError
 from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
@@ -267,21 +266,6 @@ def test_only_this_machine_is_served() -> None:
             assert refused.value.code == code
 
 
-BROWSER = shutil.which("chromium")
-
-
-def browse(address: str, folder: Path, *options: str) -> str:
-    """The page after two seconds of its own clock."""
-    assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-    command += ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", *options]
-    command += [f"--user-data-dir={folder / 'browser'}", "--virtual-time-budget=2000"]
-    done = subprocess.run(
-        [*command, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=True
-    )
-    return done.stdout
-
-
 def plain(page: str, name: str) -> str:
     """The text of an element."""
     found = re.search(rf'<(\w+) [^>]*id="{name}".*?</\1>', page, re.S)
@@ -356,7 +340,9 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
         ' = f.contentDocument.title + f.contentDocument.getElementById("sensors").innerText },'
         " 1500);</script>"
     )
-    shown = browse((tmp_path / "frame.html").as_uri(), tmp_path, "--allow-file-access-from-files")
+    shown = browse(
+        (tmp_path / "frame.html").as_uri(), tmp_path, "--allow-file-access-from-files", "--dump-dom"
+    )
     said = re.search(r'<pre id="said">(.*?)</pre>', shown, re.S)
     text = said[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
     seen, rest = json.JSONDecoder().raw_decode(text)

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared import browse
 from test_learning_engine import Desk, sent
-from test_monitor import BAUD, Still, browse, listening, wait
+from test_monitor import BAUD, Still, listening, wait
 
 from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate

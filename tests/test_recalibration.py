@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -292,18 +293,11 @@ def rail_file(folder: Path, vectors: Vectors) -> Path:
     return path
 
 
-def noiseless(folder: Path) -> Path:
-    """The scene of the rail, whose networks were not trained for noise."""
-    for path in RAIL.parent.glob("rail*"):
-        (folder / path.name).write_bytes(path.read_bytes())
-    scene = folder / "rail.toml"
-    scene.write_text(scene.read_text().replace("noise = 0.002", ""))
-    return scene
-
-
 def test_noise_is_given_or_estimated_or_asked_for(tmp_path: Path, capsys) -> None:
-    (tmp_path / "rail").mkdir()
-    scene, rng = noiseless(tmp_path / "rail"), np.random.default_rng(2)
+    """The networks of this rail were not trained for noise."""
+    shutil.copytree(RAIL.parent, tmp_path / "rail")
+    scene, rng = tmp_path / "rail" / "rail.toml", np.random.default_rng(2)
+    scene.write_text(scene.read_text().replace("noise = 0.002", ""))
     once = rail_file(tmp_path, touched(OWN, 0.004, 0.2, rng))
     with pytest.raises(InputError, match=r"touches.csv: got 12 readings of 12 placements, expec"):
         call("recalibrate", scene, once, tmp_path / "to")

@@ -253,11 +253,14 @@ def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
     return states[far.argmin(axis=0)]
 
 
+def learnt_from(states: np.ndarray, held: np.ndarray, **more: int) -> TrainedOn:
+    names, outputs = ("force", "place"), estimates(held)
+    return learnt(names, touch(states, 1), states, held, outputs, np.full(4, 1e-4), **more)
+
+
 @pytest.fixture(scope="module")
 def known() -> TrainedOn:
-    states, held = drawn(120, 1), touch(drawn(120, 2), 2)
-    outputs = estimates(held)
-    return learnt(("force", "place"), touch(states, 1), states, held, outputs, np.full(4, 1e-4))
+    return learnt_from(drawn(120, 1), touch(drawn(120, 2), 2))
 
 
 def reasons(known: TrainedOn, readings: np.ndarray, outputs: np.ndarray) -> list[str]:
@@ -277,36 +280,20 @@ def test_swapped_columns_are_outside(known: TrainedOn) -> None:
 def test_an_output_beyond_its_range_is_outside(known: TrainedOn) -> None:
     low, high = known.low, known.high
     middle, span = (low + high) / 2, high - low
-    outputs = np.array(
-        [middle, high + 0.09 * span, high + span * np.array([0.11, 0]), low - 0.11 * span]
-    )
-    found = known.reasons(outputs, np.zeros(4))
-    assert found == [
-        "",
-        "",
-        f"force above {high[0]:g}",
-        f"force below {low[0]:g}; place below {low[1]:g}",
-    ]
+    beyond = high + span * np.array([0.11, 0])
+    outputs = np.array([middle, high + 0.09 * span, beyond, low - 0.11 * span])
+    below = f"force below {low[0]:g}; place below {low[1]:g}"
+    assert known.reasons(outputs, np.zeros(4)) == ["", "", f"force above {high[0]:g}", below]
     assert known.reasons(outputs[:1], np.array([1.01])) == [UNLIKE]
 
 
 def test_the_limit_is_that_of_the_held_out_rows() -> None:
     """Of 250 held-out rows one is farther away, and of 20 rows none is."""
-    states, held = drawn(120, 1), touch(drawn(250, 2), 2)
-    many = learnt(
-        ("force", "place"), touch(states, 1), states, held, estimates(held), np.full(4, 1e-4)
-    )
+    held = touch(drawn(250, 2), 2)
+    many = learnt_from(drawn(120, 1), held)
     assert (many.distances(held, estimates(held)) > 1).sum() == 1
     assert many.one_in == 100
-    few = learnt(
-        ("force", "place"),
-        touch(drawn(40, 1)),
-        drawn(40, 1),
-        held[:20],
-        estimates(held[:20]),
-        np.full(4, 1e-4),
-        stretches=3,
-    )
+    few = learnt_from(drawn(40, 1), held[:20], stretches=3)
     assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
     assert few.one_in == 4
 
@@ -336,7 +323,10 @@ RIGHT = random_mlp((3, 5, 2), 1.0, 2)
 # Networks that fit the formats, and their outputs that always saturate.
 WRONG = {
     "weights of 100": (replace(RIGHT, w2=np.full((2, 5), 100.0)), ["y0", "y1"]),
-    "all weights of 100": (Mlp(*(np.full(a.shape, 100.0) for a in vars(RIGHT).values())), "both"),
+    "all weights of 100": (
+        Mlp(*(np.full(a.shape, 100.0) for a in vars(RIGHT).values())),
+        ["y0", "y1"],
+    ),
     "a bias of 50,000": (replace(RIGHT, b2=np.array([50_000.0, 0.1])), ["y0"]),
     "a bias of -50,000": (replace(RIGHT, b2=np.array([0.1, -50_000.0])), ["y1"]),
 }
@@ -350,21 +340,15 @@ def saturating_scene(
     return load_scene(str(path))
 
 
-def warned(scene: Scene, build: Path) -> list[str]:
-    found = everything(scene, build)
-    return [f.text for f in found if f.verdict == WARNING and "saturates" in f.text]
-
-
 @pytest.mark.parametrize("name", WRONG)
 @pytest.mark.parametrize(("design", "activation"), [("hybrid", "gradient"), ("engine", "precise")])
 def test_outputs_that_saturate_are_named(
     tmp_path: Path, name: str, design: str, activation: str
 ) -> None:
-    mlp, outputs = WRONG[name]
+    mlp, names = WRONG[name]
     scene = saturating_scene(tmp_path, mlp, design, activation)
-    names = ["y0", "y1"] if outputs == "both" else outputs
-    lines = warned(scene, tmp_path / "build")
-    assert len(lines) == len(names)
+    found = everything(scene, tmp_path / "build")
+    lines = [f.text for f in found if f.verdict == WARNING and "saturates" in f.text]
     results = scene.twin().core.process(scene.vectors().codes)
     for line, output in zip(lines, names, strict=True):
         column = results[:, scene.outputs.index(output)]

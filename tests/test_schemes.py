@@ -480,17 +480,6 @@ def test_nothing_wraps_up_to_the_gate(factor: int, rho: float) -> None:
             assert every[name].max() < 1 << (width - 1)
 
 
-@pytest.mark.parametrize("rho", [3.87, 4.0, 4.5, 6.0])
-def test_precise_multiplies_18_bits_at_most(rho: float) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnsettledWarning)
-        block = pade_for(EXACT, 1, EXACT.hidden_fmt.high, rho=rho)
-    widths = block.widths(block.last)
-    assert max(widths.values()) <= 18
-    assert block.formats.reciprocal.width == 18
-    assert block.ratio_width <= 18
-
-
 def test_an_unsettled_regression_warns_with_its_distance() -> None:
     missing = r"rho = 4 with 24 iterations is 1\.46e\+03 units .* 3\.3"
     with pytest.warns(UnsettledWarning, match=missing):

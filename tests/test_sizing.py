@@ -11,6 +11,7 @@ import pytest
 from golden.common.block import walk
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Trained
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
@@ -37,12 +38,10 @@ def found() -> tuple[Scene, list[Sized]]:
     return scene, rows
 
 
-def auto(folder: Path, lines: str, sections: str = "", shape: tuple[int, ...] = (2, 3, 3)) -> Scene:
+def auto(folder: Path, lines: str, *networks: Trained) -> Scene:
     """A small scene whose design is to be chosen."""
-    networks = [random_mlp(shape, 1.0, 4)]
-    path = write_scene(
-        folder, "small", "exact", networks, design="auto", hardware=lines, sections=sections
-    )
+    networks = networks or [random_mlp((2, 3, 3), 1.0, 4)]
+    path = write_scene(folder, "small", "exact", networks, design="auto", hardware=lines)
     kept = [line for line in path.read_text().splitlines() if not line.startswith("activation")]
     path.write_text("\n".join(kept))
     return load_scene(str(path))
@@ -182,11 +181,7 @@ def test_prices_change_the_choice(tmp_path: Path) -> None:
 
 def auto_tables(folder: Path, lines: str) -> Scene:
     """A small scene of learned functions whose design is to be chosen."""
-    networks = TABLE_GRAPHS["rails-tables"].networks()
-    path = write_scene(folder, "small", "exact", networks, design="auto", hardware=lines)
-    kept = [line for line in path.read_text().splitlines() if not line.startswith("activation")]
-    path.write_text("\n".join(kept))
-    return load_scene(str(path))
+    return auto(folder, lines, *TABLE_GRAPHS["rails-tables"].networks())
 
 
 def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None:

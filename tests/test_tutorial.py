@@ -6,12 +6,11 @@ import shutil
 import subprocess
 import sys
 import urllib.request
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from conftest import random_mlp, tiered, write_scene
-from shared import ROOT, copy_room
+from shared import ROOT, copy_room, run
 
 from tactus.core.folders import ROOMS
 
@@ -20,18 +19,14 @@ MONITOR = re.compile(r"^make monitor .*$", re.M)
 
 
 def shell(text: str, copy: Path) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"VENV": sys.prefix, "TERM": "dumb"}
-    environment["PATH"] = f"{sys.prefix}/bin:{environment['PATH']}"
     # pyproject.toml looks newer than the environment, and a copy sets nothing up.
     given = f'make() {{ command make --no-print-directory -o ready "$@"; }}\n{text}'
-    return subprocess.run(
-        ["bash", "-ec", given],
-        cwd=copy,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    path = f"{sys.prefix}/bin:{os.environ['PATH']}"
+    return run("bash", "-ec", given, folder=copy, VENV=sys.prefix, TERM="dumb", PATH=path)
+
+
+def python(copy: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return run(sys.executable, *words, folder=copy)
 
 
 def look(line: str, copy: Path) -> str:
@@ -75,10 +70,7 @@ def test_make_scene_drafts_the_scene_of_the_rail(tmp_path: Path) -> None:
     readings, written = FOLDER / "readings.csv", tmp_path / "rig.toml"
     (tmp_path / "readings.csv").write_text(readings.read_text())
     command = ["tactus.cli.scene", str(tmp_path / "readings.csv"), "force,place"]
-    done = subprocess.run(
-        [sys.executable, "-m", *command, "--to", str(written)],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = run(sys.executable, "-m", *command, "--to", written)
     assert done.returncode == 0, done.stderr
     text = written.read_text().replace(os.path.relpath(ROOT, tmp_path), "../tactus", 1)
     assert text == (FOLDER / "rig.toml").read_text()
@@ -106,8 +98,6 @@ shown = {element.text for element in drawn.iter()}
 assert {"2 x", "5 q", "5 r", "2 y"} <= shown, shown
 """
 
-Run = Callable[..., "subprocess.CompletedProcess[str]"]
-
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -130,15 +120,6 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def run(copy: Path) -> Run:
-    def in_copy(*words: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, *words]
-        return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
-
-    return in_copy
-
-
 def scene(folder: Path, arrangement: str, design: str = "rowwise") -> str:
     mlps = [random_mlp(shape, 1.0, i) for i, shape in enumerate(SHAPES[arrangement])]
     name = f"{design}-{arrangement}"
@@ -146,24 +127,25 @@ def scene(folder: Path, arrangement: str, design: str = "rowwise") -> str:
 
 
 @pytest.mark.all_only
-def test_the_rooms_are_complete(run: Run) -> None:
-    found = run("-m", "pytest", "-q", "tests/test_census.py")
+def test_the_rooms_are_complete(copy: Path) -> None:
+    found = python(copy, "-m", "pytest", "-q", "tests/test_census.py")
     assert found.returncode == 0, found.stdout
-    linted = run("-m", "ruff", "check", "golden", "hdl", "tb")
+    linted = python(copy, "-m", "ruff", "check", "golden", "hdl", "tb")
     assert linted.returncode == 0, linted.stdout
 
 
 @pytest.mark.all_only
-def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
+def test_everybody_asks_the_twin(copy: Path, tmp_path: Path) -> None:
     scenes = (scene(tmp_path, "single", design) for design in ("rowwise", "hybrid"))
-    asked = run("-c", ASKED, *scenes)
+    asked = python(copy, "-c", ASKED, *scenes)
     assert asked.returncode == 0, asked.stderr
 
 
 @pytest.mark.all_only
 @pytest.mark.parametrize(("arrangement", "block"), [("single", "rowwise"), ("cascade", "cascade")])
-def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:
-    simulated = run("-m", "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
+def test_its_benches_pass(copy: Path, tmp_path: Path, arrangement: str, block: str) -> None:
+    words = ("-m", "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
+    simulated = python(copy, *words)
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
 
@@ -185,17 +167,13 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     (copy / sheet[1]).write_text(sheet[2])
     scene = next(name for name, _ in files if name.endswith(".toml"))
 
-    def run(*words: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", *words]
-        return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
-
-    trained = run("tactus.cli.train", scene)
+    trained = python(copy, "-m", "tactus.cli.train", scene)
     assert trained.returncode == 0, trained.stderr
-    simulated = run("tactus.verify.sim", scene, "--block", "relu")
+    simulated = python(copy, "-m", "tactus.verify.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
     hardware = copy / "hdl" / "activation" / "relu.py"
     hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
-    broken = run("tactus.verify.sim", scene, "--block", "relu", "--sim", "icarus")
+    broken = python(copy, "-m", "tactus.verify.sim", scene, "--block=relu", "--sim=icarus")
     assert broken.returncode == 1
     assert "results differ" in broken.stdout
