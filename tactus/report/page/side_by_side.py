@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from golden.input_error import InputError
 from tactus.errors import held_out_means, scene_errors
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import Scene, load_scene, thesis_figures, thesis_table
@@ -25,7 +24,8 @@ SHARES = {"LUT": ("luts_percent", "luts4"), "multiplier": ("mult18x18_percent", 
 NONE = "-"
 WIDTH = 27
 
-Row = tuple[str, ...]
+# The cells of a column by the labels of the rows.
+Column = dict[str, str]
 
 
 def side_by_side(
@@ -39,133 +39,89 @@ def side_by_side(
         those of the twins.
     """
     first = scenes[0]
-    for scene in scenes:
-        got = (scene.sensors, scene.outputs, scene.reference)
-        expected = (first.sensors, first.outputs, first.reference)
-        if got != expected:
-            raise InputError(
-                f"{scene.path}: got sensors, outputs and reference {got}, expected {expected}, "
-                f"those of {first.name}"
-            )
-    rows: list[Row] = [
-        ("", "thesis, as printed", *(f"scene {scene.name}" for scene in scenes)),
-        ("networks", _printed_networks(first), *(scene.describe() for scene in scenes)),
-        (
-            "arithmetic",
-            "14 bits",
-            *(f"{s.precision.coeff_width} bits, {s.precision.name}" for s in scenes),
-        ),
-        ("activation", "gradient", *(scene.activation_text for scene in scenes)),
-        ("folded as", "hybrid", *(scene.design for scene in scenes)),
-        ("around them", "scan, profile", *map(_around, scenes)),
-        *_errors(scenes),
-        *_clocks(scenes, results),
-        *_cells(scenes),
+    found = [_built(scene, results[scene.name] if results else None) for scene in scenes]
+    columns = [_printed(first), *found]
+    widths = [max(WIDTH, *map(len, column.values())) for column in columns]
+    lines = [
+        f"{label:{max(map(len, found[0]))}}  "
+        + "  ".join(f"{c.get(label, NONE):>{w}}" for c, w in zip(columns, widths, strict=True))
+        for label in found[0]
     ]
-    if results is not None:
-        rows.append(_compared(scenes, results))
-    named = ", ".join(first.sensors), ", ".join(first.outputs)
     return [
-        f"same sensors: {named[0]}; same outputs: {named[1]}",
+        f"same sensors: {', '.join(first.sensors)}; same outputs: {', '.join(first.outputs)}",
         "",
-        *_aligned(rows),
+        *lines,
         "",
         *(line for note in _notes(scenes) for line in textwrap.wrap(note, 100)),
     ]
 
 
-def _aligned(rows: Sequence[Row]) -> list[str]:
-    label = max(len(row[0]) for row in rows)
-    widths = [max(WIDTH, *(len(row[n]) for row in rows)) for n in range(1, len(rows[0]))]
-    return [
-        "  ".join(
-            [f"{row[0]:{label}}", *(f"{c:>{w}}" for c, w in zip(row[1:], widths, strict=True))]
-        ).rstrip()
-        for row in rows
-    ]
-
-
-def _printed_networks(scene: Scene) -> str:
-    hidden = thesis_table(scene.reference).get("hidden", [])
-    inputs = len(scene.sensors)
-    return ", ".join(f"{inputs + n}:{nodes}:1" for n, nodes in enumerate(hidden)) or NONE
-
-
-def _around(scene: Scene) -> str:
-    has = [("scan", scene.front_end), ("profile", scene.visualisation)]
-    return ", ".join(name for name, section in has if section) or NONE
-
-
-def _errors(scenes: Sequence[Scene]) -> list[Row]:
-    """The bit-true errors in percent, beside those of the simulation in the thesis."""
-    first = scenes[0]
-    printed = thesis_figures(first.reference, len(first.outputs), first.path)
-    head = f"{'mean':>5} {'largest':>8} {'held out':>9}"
-    rows: list[Row] = [("error in %", "largest", *(head for _ in scenes))]
-    found = [scene_errors(scene)["bit-true"] for scene in scenes]
-    held_out = [held_out_means(scene) for scene in scenes]
-    for n, name in enumerate(first.outputs):
-        cells = []
-        for errors, means in zip(found, held_out, strict=True):
-            last = f"{means[n]:.2f}" if means else NONE
-            cells.append(f"{errors[n].mean:5.2f} {errors[n].largest_mean:8.2f} {last:>9}")
-        rows.append((f"  {name}", f"{printed[n]:.2f}", *cells))
-    return rows
-
-
-def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | None) -> list[Row]:
-    """The clocks of a frame and from one frame to the next, also in microseconds."""
-    frames, behind, between = [], [], []
-    for scene in scenes:
-        design = scene.twin()
-        clocks, interval = clocks_per_frame(design), design.interval
-        if results is not None:
-            facts = next(iter(results[scene.name]["facts"].values()))
-            clocks, interval = facts["clocks_per_frame"], facts["interval"]
-        frames.append(f"{clocks:,}")
-        behind.append(f"{design.output_clocks[-1]:,}")
-        between.append(f"{interval:,} ({interval / scene.clock_mhz:.2f} us)")
-    board = thesis_table("board")
+def _printed(scene: Scene) -> Column:
+    """What the thesis prints of the networks that a scene has as reference."""
+    printed, device = thesis_table(scene.reference), thesis_table("device")
+    board, count = thesis_table("board"), len(scene.sensors)
     scan = 1 << board["scan_counter_bits"]
-    return [
-        ("clocks a frame", NONE, *frames),
-        ("  after its last sample", NONE, *behind),
-        ("clocks between frames", f"{scan:,} ({scan / board['clock_mhz']:.2f} us)", *between),
-    ]
+    hidden = printed.get("hidden", [])
+    errors = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+    cells = {
+        f"{kind}s": f"about {printed[share] * device[of] / 100:,.0f} ({printed[share]} %)"
+        for kind, (share, of) in SHARES.items()
+        if share in printed
+    }
+    return {
+        "": "thesis, as printed",
+        "networks": ", ".join(f"{count + n}:{nodes}:1" for n, nodes in enumerate(hidden)) or NONE,
+        "arithmetic": "14 bits",
+        "activation": "gradient",
+        "folded as": "hybrid",
+        "around them": "scan, profile",
+        "error in %": "largest",
+        **{f"  {name}": f"{error:.2f}" for name, error in zip(scene.outputs, errors, strict=True)},
+        "clocks between frames": f"{scan:,} ({scan / board['clock_mhz']:.2f} us)",
+        **cells,
+    }
 
 
-def _cells(scenes: Sequence[Scene]) -> list[Row]:
-    """The recorded cells of the scene and its networks, and their share of the thesis' device."""
-    device, printed = thesis_table("device"), thesis_table(scenes[0].reference)
-    rows: list[Row] = []
-    cells = [read_budget(scene.path)[FAMILY] for scene in scenes]
-    tops = [(scene.twin(), scene.twin().core) for scene in scenes]
+def _built(scene: Scene, results: dict[str, Any] | None) -> Column:
+    """What a scene is, its bit-true errors, its clocks, and its recorded cells."""
+    design, held_out = scene.twin(), held_out_means(scene)
+    around = [("scan", scene.front_end), ("profile", scene.visualisation)]
+    clocks, interval = clocks_per_frame(design), design.interval
+    if results:
+        facts = next(iter(results["facts"].values()))
+        clocks, interval = facts["clocks_per_frame"], facts["interval"]
+    found = {
+        "": f"scene {scene.name}",
+        "networks": scene.describe(),
+        "arithmetic": f"{scene.precision.coeff_width} bits, {scene.precision.name}",
+        "activation": scene.activation_text,
+        "folded as": scene.design,
+        "around them": ", ".join(name for name, section in around if section) or NONE,
+        "error in %": f"{'mean':>5} {'largest':>8} {'held out':>9}",
+    }
+    for n, (name, error) in enumerate(
+        zip(scene.outputs, scene_errors(scene)["bit-true"], strict=True)
+    ):
+        last = f"{held_out[n]:.2f}" if held_out else NONE
+        found[f"  {name}"] = f"{error.mean:5.2f} {error.largest_mean:8.2f} {last:>9}"
+    found["clocks a frame"] = f"{clocks:,}"
+    found["  after its last sample"] = f"{design.output_clocks[-1]:,}"
+    found["clocks between frames"] = f"{interval:,} ({interval / scene.clock_mhz:.2f} us)"
+    cells, device = read_budget(scene.path)[FAMILY], thesis_table("device")
     for kind in KINDS:
-        share, count = SHARES.get(kind, ("", ""))
-        of = device[count] if count else 0
-        thesis = NONE
-        if share in printed:
-            thesis = f"about {printed[share] * of / 100:,.0f} ({printed[share]} %)"
-        whole = [_share(c[top.entity][kind], of) for c, (top, _) in zip(cells, tops, strict=True)]
-        rows.append((f"{kind}s", thesis, *whole))
-        if kind in SHARES:
-            inner = [c[core.entity][kind] for c, (_, core) in zip(cells, tops, strict=True)]
-            rows.append(("  of these, networks", NONE, *(_share(n, of) for n in inner)))
-    return rows
+        of = device[SHARES[kind][1]] if kind in SHARES else 0
+        found[f"{kind}s"] = _share(cells[design.entity][kind], of)
+        if of:
+            found[f"  {kind}s of networks"] = _share(cells[design.core.entity][kind], of)
+    if results:
+        verdict = f"{results['failed']} benches red" if results["failed"] else "none differ"
+        found["values compared"] = f"{results['compared']:,}, {verdict}"
+    return found
 
 
 def _share(count: int, of: int) -> str:
+    """Cells, and their share of the thesis' device."""
     return f"{count:,} ({100 * count / of:.0f} %)" if of else f"{count:,}"
-
-
-def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) -> Row:
-    """What both simulators compared with the twins, which shows that the thesis is reproduced."""
-    cells = []
-    for scene in scenes:
-        found = results[scene.name]
-        verdict = f"{found['failed']} benches red" if found["failed"] else "none differ"
-        cells.append(f"{found['compared']:,}, {verdict}")
-    return ("values compared", NONE, *cells)
 
 
 def _notes(scenes: Sequence[Scene]) -> list[str]:
