@@ -17,17 +17,14 @@ import numpy as np
 import pytest
 from shared import Shared, run
 
-from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from tactus.certify.__main__ import certify, room_in
 from tactus.certify.delivered import (
-    BENCHES,
     CELLS,
     EVERY_FRAME,
     OUTPUT,
     STEPS,
-    BenchResult,
     CertifyOptions,
     StepResult,
     check,
@@ -36,7 +33,6 @@ from tactus.certify.delivered import (
     read_results,
     write_cells,
 )
-from tactus.certify.page import bench_result, bench_table
 from tactus.certify.proofs import write_formulas
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.runner import Job, with_parts
@@ -45,16 +41,16 @@ from tactus.verify.benches.written import scene_of
 SCENE = "rails-engine"
 SEED = 3
 # Of an engine and of a deep network without a multiplier every frame is played. A frame of thesis
-# takes 4096 clocks, so of it few are, and one entity is tried.
+# takes 4096 clocks, so of it few are.
 WHOLE = CertifyOptions(frames=10, seed=SEED)
 SHIPPED = {
     "digit": WHOLE,
     "classes/wine-fast": WHOLE,
-    "thesis": CertifyOptions(frames=1, seed=SEED, recorded=2, parts=1),
+    "thesis": CertifyOptions(frames=1, seed=SEED, recorded=2),
 }
-# Each design, and all that may stand around a network. One frame of each kind is played, and the
-# bench of one entity: the other steps are about all of the design in any case. Other cases of
-# whole networks are proved in test_every_frame.py and simulated in test_benches.py.
+# Each design, and all that may stand around a network. One frame of each kind is played: the other
+# steps are about all of the design in any case. Other cases of whole networks are proved in
+# test_every_frame.py and simulated in test_benches.py.
 NAMES = (
     *("tables-engine", "learned-chain", "winner-past", "deep-reload", "lesson"),
     *("least-lanes", "tables-lanes", "block-ram", "three", "pade-parallel", "narrow-graph"),
@@ -131,28 +127,22 @@ def colours(folder: Path) -> dict[str, str]:
     return {result.step: result.colour for result in read_results(folder)}
 
 
-def test_every_step_is_green_so_that_the_script_can_exit_with_0(
-    certificate: Path, shared: Shared
-) -> None:
-    *results, benches = read_results(certificate)
+def test_every_step_is_green_so_that_the_script_can_exit_with_0(certificate: Path) -> None:
+    results = read_results(certificate)
     assert [result.step for result in results] == [step for step in STEPS if step != CELLS]
-    assert {result.colour for result in (*results, benches)} == {"green"}, results
-    ran = re.match(r"(\d+) ran, of (\d+) the library has a record", benches.figure)
-    assert benches.step == BENCHES
-    blocks = [block for block in walk(shared.scene(SCENE).twin()) if not block.part_of]
-    assert int(ran[1]) + int(ran[2]) == len(blocks)
+    assert {result.colour for result in results} == {"green"}, results
 
 
 @pytest.mark.all_only
 @pytest.mark.parametrize("name", [*SHIPPED, *NAMES, *COMBINED])
 def test_no_step_is_red(shared: Shared, name: str, tmp_path: Path) -> None:
     scene = scene_of(COMBINED[name], tmp_path, name) if name in COMBINED else shared.scene(name)
-    few = CertifyOptions(frames=1 + scene.twin().past, seed=1, recorded=1, parts=1)
+    few = CertifyOptions(frames=1 + scene.twin().past, seed=1, recorded=1)
     wanted = SHIPPED.get(name, few)
     results = certify(scene, wanted, tmp_path)
-    assert [result.step for result in results] == [*(s for s in STEPS if s != CELLS), BENCHES]
+    assert [result.step for result in results] == [s for s in STEPS if s != CELLS]
     assert "red" not in {result.colour for result in results}, results
-    left = {"vhdl", "verilog", BENCHES} if wanted.recorded else set()
+    left = {"vhdl", "verilog"} if wanted.recorded else set()
     if name in SHIPPED:
         assert {r.colour for r in results if r.step not in left} == {"green"}, results
     page = (tmp_path / scene.name / "certificate" / "certificate.md").read_text(encoding="utf-8")
@@ -185,20 +175,6 @@ def test_the_page_begins_with_what_is_proved_and_what_was_not_done(certificate: 
     digests = (certificate / "SHA256SUMS").read_text(encoding="utf-8")
     assert "certificate.html" in digests
     assert "design/vhdl/engine.vhd" in digests
-
-
-def test_benches_that_did_not_reach_every_border_are_not_green(shared: Shared) -> None:
-    job = shared.subject("abs_unit")
-    whole, recorded = BenchResult(job, False, 100), BenchResult(job, True)
-    assert bench_result([whole, recorded], 2).colour == "green"
-    assert bench_result([whole], 2).colour == "amber"
-    short = BenchResult(replace(job, test="recorded"), False, 9)
-    assert bench_result([whole, short], 2).colour == "amber"
-    failed = bench_result([whole, BenchResult(job, False, 0, "Error: 1 is not 2")], 2)
-    assert failed == StepResult("red", BENCHES, f"fail: {job.entity}: Error: 1 is not 2")
-    reached = [row[3] for row in bench_table([whole, short]).rows]
-    assert reached[0]
-    assert reached[1] is None
 
 
 def test_fewer_recorded_frames_come_from_the_whole_recording_and_are_said(shared: Shared) -> None:

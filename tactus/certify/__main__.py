@@ -27,7 +27,7 @@ from tactus.certify.delivered import (
     read_results,
     write_digests,
 )
-from tactus.certify.page import bench_result, write_page
+from tactus.certify.page import write_page
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_room, replace_folder
@@ -45,7 +45,7 @@ SILENCE = 15.0
 
 
 def certify(scene: Scene, wanted: CertifyOptions, build: Path = BUILD) -> list[StepResult]:
-    """Write the certificate of a scene; return what its script and the benches found."""
+    """Write the certificate of a scene; return what its script found."""
     with (
         stage(f"{scene.name}: exporting"),
         ThreadPoolExecutor() as pool,
@@ -67,7 +67,7 @@ def certify(scene: Scene, wanted: CertifyOptions, build: Path = BUILD) -> list[S
             print(f"{scene.name}: running {SCRIPT}", flush=True)
             with stage(lambda: f"  still {_running(folder, wanted)}", quick=True, pause=SILENCE):
                 check(folder)
-        results = [*read_results(folder), bench_result(made.benches, len(made.jobs))]
+        results = read_results(folder)
         write_page(made, results, digests, folder)
         if all(result.colour != "red" for result in results):
             shutil.rmtree(folder / OUTPUT)
@@ -104,7 +104,6 @@ def main() -> int:
         arguments.seed,
         tuple(name for name in families if name != UNKNOWN),
         arguments.recorded,
-        arguments.parts,
     )
     with held([BUILD / scene.name]):
         results = certify(scene, wanted)

@@ -1,24 +1,18 @@
 """Writes what a certificate delivers: design, inputs, frames, proofs, script and digests; runs the
-script, and the library's bench of each entity.
-
-A bench fails where it leaves out a border, a state or a value of a port that the twin does not
-declare unreachable. So one that passes has reached all of them on this very entity. Where a record
-of the library is of the same bytes, it stands for the run.
+script.
 """
 
 import hashlib
 import os
-import random
 import shutil
 import signal
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -41,13 +35,10 @@ from tactus.export.handover import (
 from tactus.export.tidy import read_ports
 from tactus.rig.smooth_map import thinned
 from tactus.scene import Scene
-from tactus.verify.benches.kept_results import run_kept
-from tactus.verify.benches.results import chosen
-from tactus.verify.benches.runner import Job, Outcome, jobs, run_jobs
+from tactus.verify.benches.runner import Job, jobs
 from tactus.verify.every_frame.netlist import READ
 from tactus.verify.sign_off import netlist
 from tactus.verify.sign_off.cell_models import models_for
-from tactus.verify.sign_off.record import recorded, recorded_cases, short, verilog
 from tb.common.properties import Property
 
 # Random frames, where no number is given; fewer where a frame takes thousands of clocks.
@@ -143,7 +134,6 @@ DIGESTS = "SHA256SUMS"
 # The only step that need not be delivered.
 CELLS = "cells"
 EVERY_FRAME = "every_frame"
-BENCHES = "benches"
 STEPS = (
     "digests",
     "vhdl",
@@ -162,17 +152,15 @@ class CertifyOptions:
     """What a user may ask of a certificate.
 
     frames: The number of random frames; None for the usual one.
-    seed: The seed of random frames, and of the entities that are drawn.
+    seed: The seed of random frames.
     families: The families on whose cells the frames are played.
     recorded: The number of recorded frames; None for all.
-    parts: The number of entities whose benches run, drawn by ``seed``; None for all.
     """
 
     frames: int | None
     seed: int
     families: tuple[str, ...] = ()
     recorded: int | None = None
-    parts: int | None = None
 
 
 @dataclass(frozen=True)
@@ -189,40 +177,16 @@ class StepResult:
 
 
 @dataclass(frozen=True)
-class BenchResult:
-    """What is known of the bench of one entity.
-
-    job: Of an entity around networks it has recorded frames alone, and then no border is asked for.
-    recorded: Whether the library has a record of the same bytes, so that the bench did not run.
-    compared: How many values the bench compared, if it ran.
-    complaint: Why the bench failed; empty if it passed.
-    """
-
-    job: Job
-    recorded: bool
-    compared: int = 0
-    complaint: str = ""
-
-    @property
-    def whole(self) -> bool:
-        """Whether every border was asked for."""
-        return self.recorded or not self.job.test
-
-
-@dataclass(frozen=True)
 class Certificate:
     """What was written, beside the files.
 
-    jobs: The entities.
     families: Those on whose cells the frames are played.
     """
 
     scene: Scene
     design: Network
-    jobs: list[Job]
     frames: PlayedFrames
     properties: list[tuple[Job, Property]]
-    benches: list[BenchResult]
     families: tuple[str, ...]
 
 
@@ -247,14 +211,11 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_every_frame(scene, folder)
-    count = len(entities) if wanted.parts is None else min(wanted.parts, len(entities))
-    drawn = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
-    benches = run_benches(entities, [entities[place] for place in drawn], tell)
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Certificate(scene, design, entities, frames, properties, benches, wanted.families)
+    return Certificate(scene, design, frames, properties, wanted.families)
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
@@ -344,36 +305,6 @@ def write_cells(top: Job, family: str, folder: Path) -> None:
         (place / f"{entity}.v").write_text(text, encoding="utf-8")
     models = models_for(netlist.CELLS[family], "".join(found.values()))
     (place / netlist.MODELS).write_text(models, encoding="utf-8")
-
-
-def run_benches(
-    entities: Sequence[Job], drawn: Sequence[Job], tell: Callable[[str], None]
-) -> list[BenchResult]:
-    """Run the benches of the drawn ones among all entities, but for those that have a record."""
-    # An instrument or a cascade takes minutes, and its networks have benches of their own.
-    around = {job.entity for job in chosen(list(entities)) if job.test}
-
-    def bench(job: Job) -> Outcome:
-        tell(f"bench of {job.entity}")
-        return run_kept(job)
-
-    jobs = [replace(job, test="recorded") if job.entity in around else job for job in drawn]
-    known = {job.entity: BenchResult(job, True) for job in jobs if same_bytes(job, "coverage")}
-    new = [job for job in jobs if job.entity not in known]
-    for outcome in run_jobs(new, lambda _: None, work=bench):
-        complaint = "" if outcome.passed else outcome.complaint()
-        known[outcome.job.entity] = BenchResult(outcome.job, False, outcome.compared, complaint)
-    return [known[job.entity] for job in jobs]
-
-
-def same_bytes(job: Job, kind: str) -> dict[str, Any] | None:
-    """The record of a kind that was made of the same Verilog as an entity; None without one."""
-    digest = short(verilog(job))
-    for record in (recorded(kind, name) for name in recorded_cases(job.block)):
-        for found in record.get("runs", [record]):
-            if found.get("verilog") == digest:
-                return dict(found)
-    return None
 
 
 def read_results(folder: Path) -> list[StepResult]:

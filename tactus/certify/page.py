@@ -19,11 +19,9 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import layers_of
 from tactus.certify.delivered import (
-    BENCHES,
     CELLS,
     EVERY_FRAME,
     STEPS,
-    BenchResult,
     Certificate,
     StepResult,
 )
@@ -146,8 +144,6 @@ def _saturations(scene: Scene, random: Codes) -> list[str]:
     return sentences
 
 
-# Of reasons why a border cannot be reached, the table has so many of each entity.
-REASONS = 3
 SHOWS = {
     "digests": "every delivered file is the one that was written",
     "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
@@ -157,7 +153,6 @@ SHOWS = {
     "properties": "control works for every input, for the parameters of this scene",
     EVERY_FRAME: "the hardware computes the network in every_frame/network.json, whatever comes in",
     CELLS: "the mapped cells give the same outputs",
-    BENCHES: "the library's bench of each entity passes, and reaches all that can be reached",
 }
 ASSUMED = (
     "The bit-true model is the judge of the frames that are played, every_frame/network.json that "
@@ -211,10 +206,7 @@ def content(
         "proved": _proved(results),
         "missing": missing,
         "results": results,
-        "tables": [
-            ("It is near the network that was trained", near.errors),
-            ("What its benches reach", bench_table(made.benches)),
-        ],
+        "errors": near.errors,
         "sentences": near.sentences,
         "properties": [(job.entity, item.sentence) for job, item in made.properties],
         "assumed": ASSUMED,
@@ -233,71 +225,3 @@ def _proved(results: Sequence[StepResult]) -> str:
     (one,) = [r for r in results if r.step == EVERY_FRAME] or [StepResult("red", "", "did not run")]
     said = one.figure if one.colour == "green" else f"not proved for every frame ({one.figure})"
     return f"{said[0].upper()}{said[1:]}"
-
-
-def bench_result(benches: Sequence[BenchResult], entities: int) -> StepResult:
-    """What the benches found, as a step. It is amber where something was not asked for."""
-    failed = [f"{one.job.entity}: {one.complaint}" for one in benches if one.complaint]
-    if failed:
-        return StepResult("red", BENCHES, f"fail: {'; '.join(failed)}")
-    short = [one.job.entity for one in benches if not one.whole]
-    ran = sum(not one.recorded for one in benches)
-    sides = sum(len(_reached(one)) for one in benches)
-    figure = (
-        f"{ran} ran, of {len(benches) - ran} the library has a record of the same bytes; both "
-        f"sides of {sides} borders are reached"
-    )
-    if len(benches) < entities:
-        figure += f"; {entities - len(benches)} other entities were not drawn"
-    if short:
-        figure += f"; to {', '.join(short)} only recorded frames were played"
-    return StepResult("amber" if short or len(benches) < entities else "green", BENCHES, figure)
-
-
-def bench_table(benches: Sequence[BenchResult]) -> Table:
-    """What each bench reaches, and what cannot be reached and why."""
-    rows: list[list[Cell]] = []
-    for one in benches:
-        twin = one.job.twin
-        why = [f"{b.name}: {b.unreachable}" for b in twin.borders if b.unreachable]
-        why += [f"{name}: {text}" for name, text in twin.unreachable.items()]
-        more = [f"and {len(why) - REASONS} more"] if len(why) > REASONS else []
-        rows.append(
-            [
-                one.job.entity,
-                "recorded, of the same bytes" if one.recorded else _said(one),
-                None if one.recorded else one.compared,
-                len(_reached(one)) if one.whole else None,
-                sum(len(state.values) for state in twin.states) if one.whole else None,
-                len(why),
-                "; ".join([*why[:REASONS], *more]) or "none",
-            ]
-        )
-    return Table(
-        BENCHES,
-        [
-            "entity",
-            "its bench",
-            "values compared",
-            "borders, both sides reached",
-            "values of states reached",
-            "cannot be reached",
-            "why",
-        ],
-        rows,
-        "A border is a value of a number at which the behaviour changes, such as the first sum "
-        "that saturates. The benches are those of the library, on Icarus and on this Verilog. They "
-        "need tactus, so the script does not run them: make sim SCENE= does.",
-    )
-
-
-def _reached(one: BenchResult) -> list[str]:
-    """The borders that the bench has reached; one that leaves out a border fails."""
-    borders = one.job.twin.borders if one.whole and not one.complaint else ()
-    return [border.name for border in borders if not border.unreachable]
-
-
-def _said(one: BenchResult) -> str:
-    if one.complaint:
-        return "failed"
-    return "passed" if one.whole else "passed with recorded frames"

@@ -411,16 +411,14 @@ COMMANDS = (
         "certify",
         "Writes a folder that shows that the export of a scene computes its network: frames in "
         "both simulators, a proof for every frame, digests, and a script that checks all of it "
-        "again without tactus. FRAMES= is the number of random frames, RECORDED= that of recorded "
-        "ones, and PARTS= that of the entities whose benches run; without the last two it is all. "
-        "NETLIST= adds the mapped cells of a family.",
+        "again without tactus. FRAMES= is the number of random frames, and RECORDED= that of "
+        "recorded ones; without it, it is all. NETLIST= adds the mapped cells of a family.",
         (
             SCENE,
             number("FRAMES", 0, 100_000),
             SEED,
             option("NETLIST", "1|virtex-2|series-7|ecp5|ice40"),
             number("RECORDED", 1, 100_000),
-            number("PARTS", 1, 100_000),
         ),
         "tactus.certify",
     ),
