@@ -14,9 +14,9 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
-from shared import Shared
+from shared import Shared, run
 from test_census import BLOCKS, ROOT
-from test_commands import make, run
+from test_make import here
 
 
 class Page(HTMLParser):
@@ -67,7 +67,7 @@ def test_every_guide_can_be_read_and_its_links_lead_somewhere(tmp_path: Path) ->
 def test_the_site_is_complete_and_every_link_leads_somewhere(shared: Shared) -> None:
     (Path(sys.prefix) / ".ready").touch()
     site = shared.folder / "docs" / "site"
-    result = make("docs", f"SITE={site}")
+    result = here("docs", f"SITE={site}")
     assert result.returncode == 0, result.stderr
     assert [path.name for path in site.parent.iterdir()] == ["site"]
     assert not broken_links(site)
