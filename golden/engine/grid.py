@@ -12,6 +12,9 @@ only the ratio of the scales of a sum and of the quantiser behind it matters.
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
+
+from numpy.typing import NDArray
 
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import LayerRounding
@@ -122,7 +125,8 @@ class Exact:
     number: Which layer of the network it is.
     activation: "table", "relu", "leaky_relu", "hard_tanh" or "linear"; "sums" of those that later
         functions take.
-    weights: A list for each node, with a weight for each node of the layer before.
+    weights, biases: Arrays of fractions; a row of weights for each node, with one for each node of
+        the layer before.
     grid: The grid of a layer with a quantiser.
     functions: Of a "table", the function of each node.
     output: Whether it is the last layer.
@@ -132,8 +136,8 @@ class Exact:
     number: int
     activation: str
     leak: Fraction
-    weights: list[list[Fraction]]
-    biases: list[Fraction]
+    weights: NDArray[Any]
+    biases: NDArray[Any]
     grid: Grid | None
     functions: tuple[Function, ...]
     output: bool

@@ -19,6 +19,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+import numpy as np
+
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -42,6 +44,7 @@ from golden.trained.function import TANH
 
 # The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high
+_fractions = np.vectorize(Fraction, otypes=[object])
 # Half a unit of an output, in units of a product.
 _HALF_OUTPUT = 1 << (DROPPED + OUTPUT_SHIFT - 1)
 
@@ -68,25 +71,21 @@ def exact_layers(network: Trained) -> list[Exact]:
     halved = False
     layers = layers_of(network)
     for number, layer in enumerate(layers, start=1):
-        weights = [[Fraction(w) for w in row] for row in layer.weights.tolist()]
-        biases = [Fraction(b) for b in layer.biases.tolist()]
+        weights, biases = _fractions(layer.weights), _fractions(layer.biases)
         if halved:
-            weights = [[w / 2 for w in row] for row in weights]
-            biases = [b + sum(row) for b, row in zip(biases, weights, strict=True)]
+            weights = weights / 2
+            biases = biases + weights.sum(axis=1)
         halved = layer.activation == "sigmoid"
         if halved:
-            weights = [[w / 2 for w in row] for row in weights]
-            biases = [b / 2 for b in biases]
+            weights, biases = weights / 2, biases / 2
         before = found[-1].grid if found else None
         if before:
-            weights = [[w / before.factor for w in row] for row in weights]
-            lowest = before.lowest
-            biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
+            weights = weights / before.factor
+            biases = biases + before.lowest * weights.sum(axis=1)
         with naming(f"layer {number}"):
             grid = grid_of(layer)
         if grid:
-            weights = [[w * grid.factor for w in row] for row in weights]
-            biases = [b * grid.factor for b in biases]
+            weights, biases = weights * grid.factor, biases * grid.factor
         functions = layer.functions
         if layer.activation in ("tanh", "sigmoid"):
             functions = (TANH,) * layer.nodes
@@ -191,17 +190,13 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
     whole.
     """
     grid = exact.grid
-    fracs = [coeff_frac(result, value.fmt) for value in values]
-    scales = [v.factor * Fraction(2) ** frac for v, frac in zip(values, fracs, strict=True)]
-    weights = [
-        [row[v.node] * scale for v, scale in zip(values, scales, strict=True)]
-        for row in exact.weights
-    ]
+    scales = [v.factor * Fraction(2) ** coeff_frac(result, v.fmt) for v in values]
+    weights = exact.weights[:, [v.node for v in values]] * scales
     lowest = grid.lowest if grid else 0
-    starts = [(bias - lowest) * Fraction(2) ** (result.frac + DROPPED) for bias in exact.biases]
+    starts = (exact.biases - lowest) * Fraction(2) ** (result.frac + DROPPED)
     if grid and not grid.nearest:
-        _check_whole("weights", [weight for row in weights for weight in row])
-        _check_whole("biases", starts)
+        _check_whole("weights", weights.ravel().tolist())
+        _check_whole("biases", starts.tolist())
     codes = tuple(tuple(map(_near, row)) for row in weights)
     unit = 1 if grid else 1 << DROPPED
     begun = []

@@ -11,6 +11,10 @@ is read as it is.
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from golden.engine.formats import HIDDEN, RESULT
 from golden.engine.function_table import fits
@@ -52,7 +56,7 @@ def _adds(before: Exact, layer: Exact) -> bool:
     if not before.functions or TANH in before.functions or target is None:
         return False
     times = [
-        [_times(row[k]) for row in layer.weights]
+        list(map(_times, layer.weights[:, k]))
         for k, function in enumerate(before.functions)
         if function != ITSELF
     ]
@@ -74,10 +78,6 @@ def _taken(before: Exact, layer: Exact) -> Exact:
     """A layer with the functions of the one before, which gives it its sums."""
     target = _target(layer)
     products = [function == ITSELF for function in before.functions]
-    weights = [
-        [weight * product for weight, product in zip(row, products, strict=True)]
-        for row in layer.weights
-    ]
     added = [
         [
             (k, replace(function, frac=target))
@@ -87,7 +87,7 @@ def _taken(before: Exact, layer: Exact) -> Exact:
         ]
         for row in layer.weights
     ]
-    return replace(layer, weights=weights, added=added)
+    return replace(layer, weights=layer.weights * products, added=added)
 
 
 def _each_once(before: Exact, layer: Exact) -> tuple[Exact, Exact]:
@@ -100,20 +100,18 @@ def _each_once(before: Exact, layer: Exact) -> tuple[Exact, Exact]:
     ]
     place = {one: n for n, one in enumerate(dict.fromkeys(sums))}
     kept = [sums.index(one) for one in place]
-    weights = [[Fraction(0)] * len(kept) for _ in layer.weights]
-    for made, row in zip(weights, layer.weights, strict=True):
-        for k, weight in enumerate(row):
-            made[place[sums[k]]] += weight
+    places = np.array([place[one] for one in sums])
+    columns = [layer.weights[:, places == n].sum(axis=1) for n in range(len(kept))]
     before = replace(
         before,
         activation="sums",
         functions=(),
-        weights=[before.weights[k] for k in kept],
-        biases=[before.biases[k] for k in kept],
+        weights=before.weights[kept],
+        biases=before.biases[kept],
         added=[before.added[k] for k in kept] if before.added else [],
     )
     added = [[(place[sums[k]], function) for k, function in node] for node in layer.added]
-    return before, replace(layer, weights=weights, added=added)
+    return before, replace(layer, weights=np.stack(columns, axis=1), added=added)
 
 
 def _copies(layer: Exact, values: Sequence[Value]) -> bool:
@@ -121,7 +119,7 @@ def _copies(layer: Exact, values: Sequence[Value]) -> bool:
     if not layer.functions:
         return False
     for row, bias in zip(layer.weights, layer.biases, strict=True):
-        if sum(weight != 0 for weight in row) != 1:
+        if np.count_nonzero(row) != 1:
             return False
         value = values[_only(row)]
         weight = Fraction(2) ** (value.fmt.frac - HIDDEN.frac)
@@ -158,21 +156,14 @@ def _within_reach(layer: Exact, values: Sequence[Value]) -> Exact:
     return replace(layer, functions=functions)
 
 
-def _only(row: Sequence[Fraction]) -> int:
-    return next(k for k, weight in enumerate(row) if weight)
+def _only(row: NDArray[Any]) -> int:
+    return int(np.flatnonzero(row)[0])
 
 
 def _from_inputs(before: Exact, layer: Exact) -> Exact:
     """A layer that takes the operands themselves in the place of copies."""
-    inputs = len(before.weights[0])
     sources = [_only(row) for row in before.weights]
-    weights = [[Fraction(0)] * inputs for _ in layer.weights]
-    for made, row in zip(weights, layer.weights, strict=True):
-        for k, weight in enumerate(row):
-            made[sources[k]] += weight * before.weights[k][sources[k]]
-    biases = [
-        bias + sum((w * b for w, b in zip(row, before.biases, strict=True)), Fraction(0))
-        for bias, row in zip(layer.biases, layer.weights, strict=True)
-    ]
+    weights = layer.weights @ before.weights
+    biases = layer.biases + layer.weights @ before.biases
     added = [[(sources[k], function) for k, function in node] for node in layer.added]
     return replace(layer, weights=weights, biases=biases, added=added)
