@@ -1,23 +1,47 @@
-"""Tests what is read of a scene, its schema for editors, and the shipped scenes."""
+"""Tests what is read of a scene, its schema for editors, raw units, and past samples."""
 
+import csv
 import json
 import re
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from jsonschema import Draft7Validator
+from refused import call
 
 from golden.common.block import walk
-from golden.input_error import InputError
+from golden.input_error import InputError, MissingFileError
+from golden.instruments.readout import Readout
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.network import CHUNK, Network
+from golden.networks.windowed import Windowed
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import SIGNAL
+from golden.sensing.frame_window import FrameWindow
+from golden.trained.window import Window
 from tactus.boards.board import BOARD
 from tactus.boards.board import FOLDER as BOARDS
+from tactus.cli import train as command
+from tactus.cli.demo import length_lines
+from tactus.cli.train import train_scene
 from tactus.core.finding import faults
 from tactus.core.schema import REQUIRED, Key, KeyTable, json_schema
-from tactus.network_files.network_file import read_provenance
+from tactus.core.table import read_table, write_table
+from tactus.errors import held_out_rows, provenances, scene_errors, unit_errors
+from tactus.network_files.network_file import (
+    load_network,
+    provenance_path,
+    read_provenance,
+    save_network,
+)
 from tactus.physics.gauges import FOLDER as RIGS
 from tactus.physics.gauges import RIG
 from tactus.report.page.summary import built
@@ -32,7 +56,17 @@ from tactus.scene import (
     scene_path,
 )
 from tactus.scene.codes import saturating
+from tactus.scene.disturbance import Disturbance
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
+from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
+from tactus.scene.vectors import read_recorded, warn_outside
+from tactus.train import search
+from tactus.train.split import scaled, split_of, split_rows
+from tactus.train.task import task_for
+from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of, write_scene
+from tb.common.case_library import PAST
+from tb.common.cases import Case, random_mlp
 
 
 def edited(scene: Scene, old: str, new: str) -> str:
@@ -167,3 +201,414 @@ def test_every_key_has_a_meaning_that_an_editor_can_show() -> None:
             assert inner.meaning, name
             shown = schema["properties"][section]["properties"][name]
             assert not re.search(r"`|\]\(", shown["description"])
+
+
+# The scales of x0, x1, x2, y0, y1. An output with a relative error keeps its 0.
+SCALES = [Scale(2.5, 2.5), Scale(), Scale(-300.0, 40.0), Scale(0.0, 25.0), Scale(60.0, 70.0)]
+TEXT = """scale = { x0 = { offset = 2.5, factor = 2.5 }, x2 = { offset = -300, factor = 40.0 }, \
+y0 = { factor = 25 }, y1 = { offset = 60, factor = 70 } }
+units = { x0 = "V", y0 = "g" }
+full_scale = { y1 = 70 }
+"""
+
+
+def in_units(folder: Path, rows: int = 12, keys: str = TEXT) -> Scene:
+    """A 3:5:2 scene with recordings in raw units.
+
+    Its network is that of ``signal_scene``, converted to take readings.
+    """
+    mlp = on_readings(random_mlp((3, 5, 2), 1.0, 1), SCALES[:3], SCALES[3:])
+    path = write_scene(folder, "raw", "exact", [mlp], rows=rows)
+    csv = path.with_suffix(".csv")
+    lines = csv.read_text().splitlines()
+    values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    raw = readings(values, SCALES)
+    csv.write_text("\n".join([lines[0], *(",".join(f"{v:.5f}" for v in row) for row in raw)]))
+    path.write_text(path.read_text().replace('group_by = "y0"\n', keys))
+    return load_scene(str(path))
+
+
+def signal_scene(folder: Path) -> Scene:
+    """The same recordings and the same network, without units."""
+    path = write_scene(folder, "plain", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
+    path.write_text(path.read_text().replace('group_by = "y0"\n', "full_scale = { y1 = 1 }\n"))
+    return load_scene(str(path))
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.lists(st.floats(0, 1)))
+def test_auto_leaves_a_quarter_of_the_range_at_either_end(
+    start: float, width: float, between: list[float]
+) -> None:
+    scale = range_scale(start + width * np.array([*between, 0, 1]))
+    found = signals(np.array([[start], [start + width]]), [scale]).ravel()
+    # Factor and offset in three digits of the factor: each moves an end by half a hundredth.
+    assert found == pytest.approx([-2 / 3, 2 / 3], abs=0.0101)
+    assert float(f"{scale.factor:.2e}") == scale.factor
+
+
+def test_a_scene_in_units_is_the_scene_without(tmp_path: Path) -> None:
+    raw, plain = in_units(tmp_path), signal_scene(tmp_path)
+    assert np.array_equal(raw.vectors().codes, plain.vectors().codes)
+    assert np.allclose(raw.vectors().targets, plain.vectors().targets, atol=1e-6)
+    assert raw.twin() == plain.twin()
+    for kind, errors in scene_errors(plain).items():
+        for one, other in zip(errors, scene_errors(raw)[kind], strict=True):
+            assert one.mean == pytest.approx(other.mean, rel=1e-3), kind
+
+
+def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
+    scene = in_units(tmp_path)
+    codes = np.array([[SIGNAL.low, 0], [4096, SIGNAL.low]])
+    assert scene.outputs_in_units(codes).tolist() == [[-25, 60], [12.5, -10]]
+    assert scene.codes_of(np.array([[0.0, 0.5, -280.0]])).tolist() == [[SIGNAL.low, 4096, 4096]]
+    # The errors are relative to a full scale of 70, so 1 % is 0.7 in the unit.
+    percent = scene_errors(scene)["bit-true"][1]
+    assert unit_errors(scene)["y1"].mean == pytest.approx(0.7 * percent.mean)
+    assert [line.split("  ")[0] for line in length_lines(scene)] == ["y0 in g", "y1 in its unit"]
+
+
+def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, capsys) -> None:
+    scene = in_units(tmp_path)
+    call("vhdl", scene.path, "verilog", "--build", tmp_path / "build")
+    printed = capsys.readouterr().out.splitlines()
+    assert "sensor x0: code -8192 is 0 V, 8191 is 4.99969 V, one code 0.000305176 V" in printed
+    assert "output y1: code -8192 is -10, 8191 is 129.991, one code 0.00854492" in printed
+    assert not any("x1" in line for line in printed)
+
+
+def trained_anew(scene: Scene, build: Path) -> Scene:
+    command.train_scene(scene, build, 1)
+    return load_scene(str(scene.path))
+
+
+AUTO = 'scale = "auto"\nfull_scale = { y0 = 25, y1 = 70 }\n'
+
+
+def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path: Path) -> None:
+    scene = in_units(tmp_path, rows=40, keys=AUTO)
+    split = split_rows(40, scene.training.seed)
+    lines = scene.data_path.read_text().splitlines()
+    row = int(split.test[0])
+    cells = lines[row + 1].split(",")
+    # These values are far beyond those of the training rows, in a sensor and in an output.
+    lines[row + 1] = ",".join([*cells[:2], "900", "80", cells[4]])
+    scene.data_path.write_text("\n".join(lines))
+    again = trained_anew(scene, tmp_path / "build")
+    told = read_provenance(again.weights_paths[0])["scale"]
+    assert list(told) == ["x0", "x1", "x2", "y0", "y1"]
+    # An export depends on these files.
+    assert provenance_path(again.weights_paths[0]) in again.files
+    assert {n: Scale(**s) for n, s in told.items()} == again.known_scales
+    x2, y0 = again.scales(["x2", "y0"])
+    assert x2.offset + x2.factor < -220
+    assert y0.offset + y0.factor > 80
+    vectors = again.vectors()
+    assert vectors.codes[row, 2] == SIGNAL.high
+    assert "'x2': got 1 of 40 readings outside" in vectors.outside[0]
+    assert f"the furthest 900 in row {row + 1}" in vectors.outside[0]
+
+
+def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) -> None:
+    again = trained_anew(in_units(tmp_path, rows=40, keys=AUTO), tmp_path / "build")
+    provenance = read_provenance(again.weights_paths[0])
+    task = task_for(again, again.vectors(), [])
+    frames = task.recorded.take(task.split.test)
+    errors = 100 * np.abs(task.bit_true(again.mlps()[0], frames) - frames.targets) / frames.scale
+    rms = np.sqrt((errors**2).mean())
+    assert provenance["test_rms_percent"] == pytest.approx(rms, abs=1e-4)
+    # The file maps readings to units, even without its scene.
+    file = load_network(again.weights_paths[0], (3, 5, 2))
+    raw = readings(again.vectors().inputs, again.scales(again.sensors))
+    assert np.allclose(
+        file.process(raw),
+        again.in_units(again.mlps()[0].process(signals(raw, again.scales(again.sensors)))),
+    )
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("column", ["x0", "x2"])
+def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, column: str) -> None:
+    """The range of the converter is a hundred times larger. A column without scale stays."""
+    adc = f"scale = {{ {column} = {{ factor = 400 }}, y0 = 'auto', y1 = 'auto' }}\n"
+    scene = in_units(tmp_path, rows=40, keys=adc + "full_scale = { y0 = 25, y1 = 70 }\n")
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    for line in lines[1:]:
+        line[0] = line[2] = repr(-(float(line[1]) ** 2))
+        line[["x0", "x1", "x2"].index(column)] = repr(3 * float(line[1]))
+    scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    scene = scaled(load_scene(str(scene.path)))
+    task = task_for(scene, scene.vectors(), [])
+    monkeypatch.setitem(search.OPTIMISERS, "levenberg-marquardt", lambda *_: None)
+    mlp = search.train(task, (5,), 0)
+    start = search.starting_weights((3, 5, 2), np.random.default_rng([1, 0, 5, 0]))
+    inputs = task.training.inputs
+    covered = inputs.copy()
+    c = ["x0", "x1", "x2"].index(column)
+    covered[:, c] = signals(inputs[:, [c]], [range_scale(inputs[:, c])]).ravel()
+    assert np.ptp(inputs[:, c]) < 0.02 < 1 < np.ptp(covered[:, c])
+    # The output biases are shifted after the training.
+    moved = mlp.process(inputs, scene.scheme.real) - start.process(covered, scene.scheme.real)
+    assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
+
+
+def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
+    scene = in_units(tmp_path, rows=40, keys=AUTO)
+    message = (
+        r"raw.toml: data.scale.x0: got 'auto', but .*raw.provenance.toml has no scale for it: "
+        r"raw.npz was not trained here .* make train .* give \{ offset = , factor = \}"
+    )
+    with pytest.raises(InputError, match=message):
+        scene.vectors()
+    again = trained_anew(scene, tmp_path / "build")
+    assert again.vectors().codes.shape == (40, 3)
+    # Another network replaces the one that the provenance describes.
+    provenance = provenance_path(again.weights_paths[0])
+    told = provenance.read_text()
+    save_network(again.weights_paths[0], random_mlp((3, 5, 2), 1.0, 2), {})
+    provenance.write_text(told)
+    with pytest.raises(InputError, match=message):
+        load_scene(str(scene.path)).mlps()
+    provenance.unlink()
+    with pytest.raises(InputError, match=message):
+        load_scene(str(scene.path)).vectors()
+    again.weights_paths[0].unlink()
+    with pytest.raises(MissingFileError, match=r"no such network; make train"):
+        load_scene(str(scene.path)).vectors()
+
+
+def with_readings(scene: Scene, column: int, values: list[str]) -> Scene:
+    """The scene with other cells at the top of a column."""
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    for line, value in zip(lines[1:], values, strict=False):
+        line[column] = value
+    scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    return load_scene(str(scene.path))
+
+
+@pytest.mark.parametrize("run", ["train", "vhdl"])
+def test_a_reading_outside_the_codes_is_warned_of(
+    small_scene: Scene, tmp_path: Path, run: str
+) -> None:
+    scene = with_readings(small_scene, 1, ["-3.5"])
+    message = (
+        r"small.csv: column 'x1': got 1 of 12 readings outside -1 to 1, the furthest -3.5 in row 1"
+    )
+    with pytest.warns(UserWarning, match=message):
+        warn_outside(scene)
+    words = {"train": ["--workers", "1"], "vhdl": ["verilog"]}[run]
+    with pytest.warns(UserWarning, match=message):
+        call(run, scene.path, *words, "--build", tmp_path / "build")
+
+
+def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
+    scene = with_readings(small_scene, 2, ["0.5", "120", "-70"])
+    message = (
+        r"small.csv: column 'x2': got 2 of 12 readings outside -1 to 1, the furthest 120 in row 2, "
+        r"expected at most a tenth; give x2 a data.scale in .*small.toml"
+    )
+    with pytest.raises(InputError, match=message):
+        scene.vectors()
+    text = scene.path.read_text()
+    wide = text.replace("[network]", "scale = { x2 = { factor = 128 } }\n[network]")
+    scene.path.write_text(wide)
+    assert load_scene(str(scene.path)).vectors().outside == ()
+    scene.path.write_text(wide.replace("128", "100"))
+    assert (
+        "outside -100 to 100, the furthest 120" in load_scene(str(scene.path)).vectors().outside[0]
+    )
+
+
+WINDOW = Window(((0, 2, 3), (0,), (1, 5)))
+ROWS = (60, 47)
+COLUMNS = ("a", "b", "c", "y")
+WINDOWED_SCENE = """
+[data]
+recordings = ["one.csv", "two.csv"]
+sensors = ["a", "b", "c"]
+outputs = ["y"]
+full_scale = { y = 1.0 }
+window = { a = [0, 2, 3], c = [1, 5] }
+[network]
+arrangement = "single"
+hidden = 3
+weights = "past.npz"
+[hardware]
+design = "engine"
+precision = "exact"
+[training]
+restarts = 1
+steps = 20
+split = "blocks"
+block_rows = 8
+"""
+
+
+@pytest.fixture
+def past(tmp_path: Path) -> Scene:
+    """An untrained scene with three sensors, two of which have past samples, and two recordings."""
+    rng = np.random.default_rng(3)
+    for name, rows in zip(("one", "two"), ROWS, strict=True):
+        write_table(tmp_path / f"{name}.csv", COLUMNS, rng.uniform(-0.9, 0.9, (rows, 4)), 4)
+    path = tmp_path / "past.toml"
+    path.write_text(WINDOWED_SCENE)
+    return load_scene(str(path))
+
+
+@pytest.fixture
+def trained(past: Scene, tmp_path: Path) -> Scene:
+    train_scene(past, tmp_path / "build", 1)
+    return load_scene(str(past.path))
+
+
+def test_inputs_are_the_samples_of_each_frame_and_of_those_before(past: Scene) -> None:
+    vectors, rows = past.vectors(), []
+    for path in past.data_paths:
+        a, b, c, _ = read_table(path, COLUMNS).T
+        rows += [[a[t], b[t], c[t - 1], a[t - 2], a[t - 3], c[t - 5]] for t in range(5, len(a))]
+    assert past.inputs == ("a", "b", "c 1 before", "a 2 before", "a 3 before", "c 5 before")
+    assert np.array_equal(vectors.inputs, rows)
+    assert np.array_equal(vectors.codes, SIGNAL.quantise(vectors.inputs)[0])
+    assert [codes.shape for codes in vectors.recordings] == [(rows, 3) for rows in ROWS]
+    for codes, path in zip(vectors.recordings, past.data_paths, strict=True):
+        assert np.array_equal(codes, SIGNAL.quantise(read_table(path, past.sensors))[0])
+    assert len(vectors.targets) == len(vectors.scale) == sum(ROWS) - 2 * 5
+    assert vectors.targets[ROWS[0] - 5, 0] == read_table(past.data_paths[1], ["y"])[5, 0]
+
+
+@pytest.mark.parametrize("split", ["blocks", "groups"])
+def test_parts_share_no_sample(past: Scene, split: str) -> None:
+    if split == "groups":
+        for path in past.data_paths:
+            table = read_table(path, COLUMNS)
+            day = np.arange(len(table)) // 7
+            write_table(path, [*COLUMNS, "day"], np.column_stack([table, day]), 4)
+        new = 'split = "groups"\nsplit_by = ["day"]\n'
+        past = load_scene(edited(past, 'split = "blocks"\nblock_rows = 8\n', new))
+    recorded, reach = read_recorded(past), past.window.past
+    for seed in range(8):
+        found = split_of(replace(past, training=replace(past.training, seed=seed)))
+        frames: list[set[tuple[int, int]]] = []
+        for rows in (found.training, found.validation, found.test):
+            ends = zip(recorded.runs[rows], recorded.numbers[rows], strict=True)
+            frames.append({(r, n - d) for r, n in ends for d in range(reach + 1)})
+        assert not (frames[0] & frames[1])
+        assert not (frames[0] & frames[2])
+        assert not (frames[1] & frames[2])
+        # Only rows at borders are left out.
+        assert found.count >= 97 - reach * 15
+
+
+def test_drift_is_one_for_all_samples_of_a_sensor(past: Scene) -> None:
+    own = [tap.sensor for tap in WINDOW.taps]
+    given = Disturbance(0.0, 0.1, 0.1).of(np.ones((1, 6)), np.random.default_rng(1), own)[0]
+    assert len(set(given.tolist())) == 3
+    assert all(len({v for v, s in zip(given, own, strict=True) if s == k}) == 1 for k in range(3))
+    vectors = past.vectors()
+    still = replace(past.training, disturbance=Disturbance(0.0, 0.0, 0.05))
+    task = task_for(replace(past, training=still), vectors, [])
+    moved = task.training.codes - np.resize(
+        vectors.codes[task.split.training], task.training.codes.shape
+    )
+    # The samples of a, 2 and 3 frames back. They agree up to rounding, unless a code is at its end.
+    whole = (np.abs(task.training.codes) < 8190).all(axis=1)
+    assert np.abs(moved[whole, 0] - moved[whole, 3]).max() <= 1 < np.abs(moved[:, 0]).max()
+    assert np.abs(moved[whole, 0] - moved[whole, 1]).max() > 100
+
+
+def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
+    past: Scene, capfd, tmp_path: Path
+) -> None:
+    train_scene(past, tmp_path / "build", 1)
+    trained, said = load_scene(str(past.path)), capfd.readouterr().out
+    assert "97 rows; 10 further rows have no whole past and are not used; 40 share samples" in said
+    stories = provenances(trained)
+    assert stories[0]["data"] == "one.csv, two.csv"
+    assert stories[0]["window"] == "a 0 2 3, b 0, c 1 5"
+    rows = held_out_rows(trained)
+    assert rows.tolist() == split_of(trained).test.tolist()
+    other = load_scene(edited(trained, "a = [0, 2, 3]", "a = [0, 2, 4]"))
+    assert provenances(other) is None, "trained on other samples"
+
+
+def test_predictions_of_rows_without_a_whole_past_are_empty(
+    trained: Scene, tmp_path: Path, capfd
+) -> None:
+    source, to = trained.data_paths[0], tmp_path / "out.csv"
+    call("predict", trained.path, source, to)
+    assert "the first 5 of 60 rows have no whole past and no outputs" in capfd.readouterr().out
+    with to.open() as handle:
+        rows = list(csv.DictReader(handle))
+    assert len(rows) == 60
+    assert [(row["y_predicted"], row["outside"], row["reason"]) for row in rows[:5]] == [
+        ("", "1", "no whole past")
+    ] * 5
+    wanted = trained.twin().core.process(trained.vectors().codes[:55])[:, 0]
+    found = [float(row["y_predicted"]) for row in rows[5:]]
+    assert np.array_equal(np.round(np.array(found) * 8192), wanted)
+    write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
+    with pytest.raises(InputError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
+        call("predict", trained.path, source, to)
+
+
+@pytest.mark.parametrize("longest", [46, 47])
+def test_a_window_as_long_as_a_recording_is_refused(past: Scene, longest: int) -> None:
+    text = WINDOWED_SCENE.replace("c = [1, 5]", f"c = [1, {longest}]").replace("= 8", "= 50")
+    past.path.write_text(text)
+    scene = load_scene(str(past.path))
+    if longest == 46:
+        assert len(scene.vectors().codes) == 60 + 47 - 2 * 46
+        return
+    message = r"two.csv: got 47 rows, expected more than the 47 that data.window of .* reaches back"
+    with pytest.raises(InputError, match=message):
+        scene.vectors()
+
+
+CODES = Fix(14, 13)
+
+
+def block(window: Window, slots=0, spacing=100) -> FrameWindow:
+    return FrameWindow(CODES, window, slots, spacing)
+
+
+@pytest.fixture(scope="module")
+def windowed(tmp_path_factory: pytest.TempPathFactory) -> Windowed:
+    return scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
+
+
+def random_frames(count: int, sensors: int) -> np.ndarray:
+    return np.random.default_rng(1).integers(CODES.low, CODES.high + 1, (count, sensors))
+
+
+def test_the_network_takes_the_samples_of_the_window(windowed: Windowed) -> None:
+    """Frames beyond a chunk have those before it as their past."""
+    frames = random_frames(CHUNK + 20, windowed.inputs)
+    taps = windowed.frame_window.window.frames(frames)
+    results = windowed.process(frames)
+    assert results.shape == (len(frames) - windowed.past, windowed.outputs)
+    assert windowed.process(frames[: windowed.past]).shape == (0, windowed.outputs)
+    assert np.array_equal(results, windowed.network.process(taps))
+    assert windowed.core is windowed.network
+
+
+@pytest.mark.parametrize("around", [AxisNetwork, Readout])
+def test_what_stands_around_it_has_its_past(windowed: Windowed, around: type[Network]) -> None:
+    network = around(network=windowed)
+    frames = random_frames(30, windowed.inputs)
+    assert network.past == windowed.past
+    assert np.array_equal(network.process(frames), windowed.process(frames))
+
+
+def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
+    window = Window(((0, 1), (0, 1)))
+    assert block(window, slots=1, spacing=5).interval == 5
+    for slots, spacing in ((1, 4), (0, 0), (-1, 100)):
+        with pytest.raises(InputError, match=f"frame_window: got slots={slots} and spacing="):
+            block(window, slots, spacing)
+
+
+def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
+    """The engine keeps up with the frames."""
+    case: Case = CASES["past-instrument"]
+    twin = scene_of(case, tmp_path, "fast").twin()
+    assert twin.past == 2
+    assert twin.readout.interval <= twin.interval
