@@ -61,10 +61,6 @@ class Lesson:
     def __len__(self) -> int:
         return int(self.targets.shape[1])
 
-    @property
-    def drifts(self) -> int:
-        return len(self.samples)
-
     def words(self, placement: int) -> Codes:
         """The words of the samples of a placement, shape (drifts, sensors)."""
         return np.asarray(self.samples[:, placement] << SAMPLE_SHIFT, dtype=np.int64)
@@ -116,7 +112,7 @@ def row_weights(taught: Corrected) -> tuple[Codes, Codes]:
 
 def start(lesson: Lesson, taught: Corrected) -> Codes:
     """Theta without any correction, shape (drifts, 2 sensors)."""
-    return np.zeros((lesson.drifts, 2 * taught.sensors), dtype=np.int64)
+    return np.zeros((len(lesson.samples), 2 * taught.sensors), dtype=np.int64)
 
 
 def bounded(theta: Codes, wanted: Codes) -> tuple[Codes, NDArray[np.bool_]]:

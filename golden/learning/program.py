@@ -79,7 +79,6 @@ class StoredSum:
     """
 
     address: int
-    total: Codes
     word: Codes
     fits: Codes
     leaves: bool
@@ -205,7 +204,7 @@ class LessonProgram:
             if step.store:
                 found = word_of(acc, 0)
                 fits = np.asarray(found == acc >> DROPPED)
-                yield StoredSum(place, acc, found, fits, step.leaves)
+                yield StoredSum(place, found, fits, step.leaves)
                 place = self._after(place)
 
     @cached_property
