@@ -1,7 +1,5 @@
 """What the tests of one run make once and share between all workers."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re

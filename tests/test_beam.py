@@ -1,7 +1,5 @@
 """Tests the physics: beam, gauges and their places, swing and plate, and what is recorded."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import math

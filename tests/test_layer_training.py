@@ -1,7 +1,5 @@
 """Training of networks whose layers the scene names, and of weights of few digits."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from itertools import product

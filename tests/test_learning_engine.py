@@ -1,7 +1,5 @@
 """Tests the engine that learns: its program is the rule, and frames never see half of an update."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 

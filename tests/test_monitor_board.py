@@ -1,7 +1,5 @@
 """Tests recording placements from a board, loading an image into it, and what it then sends."""
 
-from __future__ import annotations
-
 import csv
 import io
 import re

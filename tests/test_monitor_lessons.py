@@ -1,7 +1,5 @@
 """Tests teaching a board that learns, from a request of the page to what the board then sends."""
 
-from __future__ import annotations
-
 import html
 import http.client
 import json

@@ -1,7 +1,5 @@
 """Tests what reports say: how sure figures are, where errors occur, and the scenes side by side."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Tests of the range of words behind ReLU and linear layers: from bounds, or from the data."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tests make recalibrate, which finds gain and offset of each sensor from known placements."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from contextlib import suppress

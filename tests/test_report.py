@@ -1,7 +1,5 @@
 """Tests the report of a scene: its content, its pictures, the files beside it, and its look."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

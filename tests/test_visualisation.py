@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
@@ -24,7 +23,6 @@ from tb.common.cases import VISUALISATION, random_mlp
 APPENDIX_2 = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
 PROFILE = load_profile()
 LSB = 2.0**-13
-CODES = st.integers(SIGNAL.low, SIGNAL.high)
 
 
 def recorded() -> np.ndarray:
