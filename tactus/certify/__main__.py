@@ -93,7 +93,6 @@ def room_in(folder: Path) -> Iterator[None]:
 
 
 def main() -> int:
-    """Run as ``python -m tactus.certify``."""
     arguments = arguments_of("certify", __doc__)
     scene = ready_scene(arguments.scene)
     families = chosen(arguments.netlist) if arguments.netlist else []

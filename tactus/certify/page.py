@@ -186,7 +186,6 @@ def content(
     results: list[StepResult],
     digests: dict[str, str],
 ) -> dict[str, Any]:
-    """What the page says of a certificate."""
     near = nearness(made.scene, made.design, made.frames.random)
     missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
     told = {result.step for result in results}

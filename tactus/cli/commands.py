@@ -56,7 +56,6 @@ def _wrapped(text: str, first: str, others: str) -> list[str]:
 
 
 def start(command: Command, given: Mapping[str, str]) -> NoReturn:
-    """Replace this process by the module of a command."""
     os.execv(sys.executable, [sys.executable, *command.words(given)])
 
 

@@ -170,7 +170,6 @@ def _call(command: Command, /, **given: str | bool | None) -> None:
 
 
 def _parsed() -> int:
-    """Read the command line and run its command."""
     try:
         code = front().main(sys.argv[1:] or ["--help"], prog_name=NAME, standalone_mode=False)
     except click.UsageError as error:
@@ -182,7 +181,6 @@ def _parsed() -> int:
 
 
 def main() -> int:
-    """Run the command line and return its exit code."""
     return run(_parsed)
 
 

@@ -121,7 +121,6 @@ def length_lines(scene: Scene) -> list[str]:
 
 
 def report(scene: Scene, results: dict[str, Any]) -> str:
-    """The text about errors, clocks, what was left out, and speed."""
     vectors, design = scene.vectors(), scene.twin().core
     facts = results["facts"]
     first = next(iter(facts.values()))

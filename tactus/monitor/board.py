@@ -104,14 +104,12 @@ class Board:
 
     @cached_property
     def instrument(self) -> UartInstrument:
-        """The twin of the hardware on the board."""
         twin = self.hardware.twin()
         assert isinstance(twin, UartInstrument), "a scene with a section [uart] is that"
         return twin
 
     @property
     def baud(self) -> int:
-        """The baud rate of the line."""
         assert self.hardware.uart is not None, "looked at when it was made"
         return self.hardware.uart.baud
 

@@ -41,7 +41,6 @@ class GrowingCsv:
         os.close(self._file)
 
     def append(self, rows: Sequence[Sequence[object]]) -> None:
-        """Append rows to those that are there."""
         if rows:
             self._append(rows)
             self.rows += len(rows)

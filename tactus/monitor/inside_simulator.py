@@ -35,7 +35,6 @@ class PlayedRows:
         self.scans, self.row, self.text = 0, -1, b""
 
     def next(self) -> Codes:
-        """The samples of the next scan."""
         self.listen()
         row = self.scans // self.hold % len(self.samples) if self.row < 0 else self.row
         self.scans += 1
@@ -105,7 +104,6 @@ async def take(dut: Any, line: int, bit: int) -> None:
 
 @cocotb.test()
 async def board(dut: Any) -> None:
-    """Run a board whose power is on."""
     given = json.loads(os.environ[CONFIGURATION])
     bit = given["bit_ps"]
     if given["hears"]:

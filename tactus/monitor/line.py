@@ -20,8 +20,6 @@ FAULTS = (OSError, ValueError, termios.error)
 
 
 class Simulated(Protocol):
-    """A simulated board."""
-
     port: str
 
     def place(self, targets: Mapping[str, str | float]) -> None:

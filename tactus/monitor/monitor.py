@@ -43,7 +43,6 @@ FLAG_TEXTS = {
 
 
 def csv_columns(board: Board) -> list[str]:
-    """The columns of a recording."""
     return [*HEAD, *board.columns, *board.decision_columns]
 
 
@@ -263,7 +262,6 @@ class Monitor:
         return packets / (now - arrivals[0][0]), computed / (now - arrivals[0][0])
 
     def line(self) -> str:
-        """The newest values in one line."""
         packets, _ = self.rates()
         shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
         if self._line in ("packets", "idle"):
@@ -273,7 +271,6 @@ class Monitor:
         return ", ".join(shown)
 
     def _decision(self) -> list[dict[str, str]]:
-        """The newest decision, by name."""
         board, newest = self.board, self._newest
         texts = board.decision(newest) if newest else NO_DECISION
         return [
@@ -282,7 +279,6 @@ class Monitor:
         ]
 
     def state(self) -> dict[str, Any]:
-        """Everything that the page shows."""
         with self._lock:
             return self._state()
 

@@ -26,7 +26,6 @@ MOST_BYTES = 10_000
 
 
 def page_of(title: str) -> str:
-    """The page that asks for the state and draws it."""
     templates = environment("tactus.monitor", "tactus.report.page", escapes=True)
     return templates.get_template("page.html.jinja").render(title=title)
 
@@ -87,7 +86,6 @@ class Server:
                 return self.headers.get("Host", "").rpartition(":")[0] in NAMES
 
             def _sent(self) -> Any:
-                """What was sent."""
                 length = self.headers.get("Content-Length", "")
                 if not (length.isdecimal() and int(length) <= MOST_BYTES):
                     raise InputError(

@@ -118,7 +118,6 @@ class TwinBoard:
             Path(self.port).symlink_to(os.ttyname(computer))
 
     def _compute(self) -> None:
-        """Compute the outputs and profiles of every row."""
         rows = len(self.samples)
         # If an image has fewer outputs, the other ones stay as they are after a reset.
         self._outputs: Codes = np.zeros((rows, self.layout.outputs), dtype=np.int64)
@@ -132,7 +131,6 @@ class TwinBoard:
         self._compute_rows(slice(rows))
 
     def _compute_rows(self, rows: slice) -> None:
-        """Compute the outputs and profiles of some rows."""
         if self.lessons:
             outputs = self.lessons.pupil.process(self.samples[rows])
             self._changes[rows] = self.lessons.pupil.changes
@@ -271,7 +269,6 @@ class TwinLessons:
 
     @classmethod
     def of(cls, scene: Scene, core: LearningEngine) -> TwinLessons:
-        """The lessons of a scene's engine."""
         return cls(Pupil(*taught_of(scene), core.placements))
 
     @property
@@ -317,7 +314,6 @@ class TwinLessons:
             self._learn_error |= not self.pupil.step()
 
     def flags(self) -> list[str]:
-        """The flags of the next packet."""
         errors = {"lesson_error": self._lesson_error, "learn_error": self._learn_error}
         self._lesson_error = self._learn_error = False
         return [name for name, on in {**errors, "learning": self.learn}.items() if on]

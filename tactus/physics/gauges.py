@@ -347,7 +347,6 @@ class Placing:
         return [float(self.places[k]) for k in sorted(chosen)]
 
     def _apart(self, chosen: list[int]) -> bool:
-        """Whether all gauges are far enough apart."""
         return bool((np.diff(self.places[sorted(chosen)]) >= self.rig.apart - STEP / 1e3).all())
 
     def _descended(self, start: list[int]) -> tuple[float, list[int]]:

@@ -110,7 +110,6 @@ def _own(network: Path) -> Path:
 
 
 def _title(scene: Scene) -> str:
-    """The first line of the copy's scene file."""
     return f"# {scene.name}, recalibrated: its sensors corrected in the weights. The recording is"
 
 

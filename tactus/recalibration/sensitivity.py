@@ -85,7 +85,6 @@ class Sensitivity:
         return np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
 
     def moved(self, samples: Real, theta: Real) -> Real:
-        """Samples after a correction."""
         by_gain, by_offset = np.split(self.moves(samples) * theta, 2, axis=1)
         return samples + by_gain + by_offset
 
@@ -226,11 +225,9 @@ class Placements:
         return len(self.times)
 
     def without(self, number: int) -> Placements:
-        """All placements but one."""
         return self.at(np.delete(np.arange(len(self)), number))
 
     def at(self, numbers: NDArray[np.intp]) -> Placements:
-        """Some of the placements."""
         return Placements(
             self.inputs[numbers], self.targets[numbers], self.scale[numbers], self.times[numbers]
         )

@@ -127,7 +127,6 @@ def activation_table() -> Table:
 
 
 def plot_file(name: str) -> str:
-    """The file name of the plot of a form."""
     return f"{name.replace(' ', '_')}.svg"
 
 

@@ -120,7 +120,6 @@ def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
 
 
 def sentence(scene: Scene, rows: Sequence[Sized], family: str) -> str:
-    """A sentence that says what the picture shows."""
     found = points(scene, rows, family)
     if not found:
         return "No design can be built."

@@ -157,7 +157,6 @@ def classes(scene: Scene) -> list[Finding]:
 
 
 def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
-    """Describe each column, as recorded and as a signal."""
     path, vectors = scene.data_text, scene.vectors()
     findings = []
     sensors = signals(rows.sensors, scene.scales(scene.sensors))

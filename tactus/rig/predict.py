@@ -219,7 +219,6 @@ class Prediction:
 
 
 def readings_of(scene: Scene, recording: CsvFile) -> Real:
-    """The sensors' columns of a recording, shape (rows, sensors)."""
     found = []
     columns = []
     for name in scene.sensors:

@@ -174,8 +174,6 @@ class Cells:
 
 @dataclass(frozen=True)
 class Refused:
-    """A design that cannot be built for a scene, and why."""
-
     candidate: Candidate
     reason: str
 

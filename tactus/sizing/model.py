@@ -41,8 +41,6 @@ COLUMNS: tuple[str, ...] = (
 
 @dataclass(frozen=True)
 class Size:
-    """Cells."""
-
     luts: float
     flip_flops: float
 

@@ -111,7 +111,6 @@ def compare(scenes: list[Scene]) -> None:
 
 
 def cells(spec: Block, family: str) -> dict[str, int]:
-    """The cells of a block and its parts after ``synth_xilinx``."""
     with tempfile.TemporaryDirectory() as name:
         convert_hierarchy(elaborate(spec), Path(name), "verilog")
         return synthesise(Path(name), spec.entity, family)[spec.entity]

@@ -30,7 +30,6 @@ def tools() -> list[Finding]:
 
 
 def check(name: str, build: Path) -> list[Finding]:
-    """All findings about a scene and this machine."""
     findings: list[Finding] = []
     with collect_faults(findings):
         findings += everything(load_scene(name), build)

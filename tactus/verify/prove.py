@@ -173,7 +173,6 @@ def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:
 
 
 def _proved(scene: Scene, given: dict[str, Any], rig: Scene, language: str) -> tuple[str, int]:
-    """What is said of one language, and the code."""
     name, folder = f"{scene.name}, {language}: ", BUILD / rig.name / language
     with stage(f"{name}exporting and reading", quick=True):
         export(rig, language)
@@ -223,7 +222,6 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
 
 
 def main() -> int:
-    """Run as ``python -m tactus.verify.prove``."""
     arguments = arguments_of("prove", __doc__)
     if (arguments.theta or arguments.hardware) and not arguments.scene:
         raise InputError("SCENE: got none beside THETA or HARDWARE, expected a scene")

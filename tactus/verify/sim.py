@@ -33,7 +33,6 @@ from tactus.verify.sign_off.netlist import (
 
 
 def conclude(outcomes: list[Outcome]) -> int:
-    """Print the closing line and return the exit code."""
     failed = sum(not o.passed for o in outcomes)
     compared = sum(o.compared for o in outcomes)
     print(f"{len(outcomes)} benches, {failed} failed, {compared} results compared")
@@ -73,7 +72,6 @@ def simulate(
     families: list[str],
     arguments: argparse.Namespace,
 ) -> int:
-    """Run the benches of scenes, and return the exit code."""
     jobs: list[Job] = []
     for place in found:
         with stage(f"{place.scene.name}: exporting, and compiling"):

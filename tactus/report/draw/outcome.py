@@ -104,7 +104,6 @@ class Plot:
     sentence: str
 
     def draw(self) -> str:
-        """The plot as an ``<svg>`` element."""
         with style():
             count, (width, height) = len(self.groups), PLOT_INCHES
             columns = 2 if count > 3 else count
@@ -144,7 +143,6 @@ class Predicted:
     sentence: str
 
     def draw(self) -> str:
-        """The picture as an ``<svg>`` element."""
         with style():
             figure = Figure(figsize=(PLOT_INCHES[0], HEIGHT), layout="constrained")
             above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -164,7 +162,6 @@ class Predicted:
 
 
 def predicted_plots(found: Outcome) -> Iterator[Predicted]:
-    """A picture for every output."""
     count = len(found.errors)
     every = -(-count // POINTS)
     for c, output in enumerate(found.scene.outputs):
@@ -197,7 +194,6 @@ def _number(cell: Cell) -> float:
 
 
 def along_plot(found: Outcome, table: Table) -> Plot:
-    """The mean errors against the position."""
     names = [f"{row[0]:g}" if isinstance(row[0], float) else str(row[0]) for row in table.rows]
     texts = any(isinstance(row[0], str) for row in table.rows)
     places = [number if texts else _number(row[0]) for number, row in enumerate(table.rows, 1)]
@@ -222,7 +218,6 @@ def along_plot(found: Outcome, table: Table) -> Plot:
 
 
 def disturbance_plots(table: Table) -> Iterator[Plot]:
-    """The mean errors against noise and drifts."""
     outputs = [column.removesuffix(" %") for column in table.columns[2:]]
     for key, (kind, _) in KINDS.items():
         rows = [row for row in table.rows if row[0] in (NONE, kind)]

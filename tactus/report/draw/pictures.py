@@ -19,8 +19,6 @@ from tactus.scene.front_end import RESULTS
 
 @dataclass(frozen=True)
 class Skipped:
-    """A picture that is not drawn, and the reason."""
-
     title: str
     why: str
 

@@ -124,8 +124,6 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
 
 @dataclass(frozen=True)
 class Look:
-    """The colour and the marker of a group."""
-
     colour: str
     marker: str
 

@@ -108,7 +108,6 @@ class Outcome:
 
     @cached_property
     def decisions(self) -> Decisions:
-        """The decisions between the classes of the scene on all rows."""
         return decisions_of(self.scene)
 
     @property
@@ -163,7 +162,6 @@ class Outcome:
 
 
 def outcome(scene: Scene) -> Outcome:
-    """Compute the results of the hardware on the recorded rows."""
     recorded, vectors = read_recorded(scene), scene.vectors()
     codes = scene.twin().core.process(vectors.codes)
     return Outcome(
@@ -204,7 +202,6 @@ def worst_rows(found: Outcome) -> Table:
 
 
 def along(found: Outcome) -> Table:
-    """The mean errors at each position."""
     scene = found.scene
     rows: list[list[Cell]] = []
     for place in np.unique(found.groups):

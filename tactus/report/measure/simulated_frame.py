@@ -118,7 +118,6 @@ def _text(folder: Path, entity: str) -> str:
 
 
 def _instance(folder: Path, parent: str, entity: str) -> str:
-    """The name of an entity's instance in its parent."""
     found = re.search(rf"^{re.escape(entity)} (\w+) \(", _text(folder, parent), re.M)
     if found is None:
         raise InputError(f"{folder / parent}.v: expected an instance of {entity}, found none")

@@ -286,7 +286,6 @@ def purpose(twins: Twins) -> str:
 
 
 def block_table() -> str:
-    """A table with a line for each block, sorted by area."""
     lines = [
         "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
         "an engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",

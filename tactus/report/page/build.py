@@ -80,7 +80,6 @@ def main() -> None:
 
 
 def build_report(scene: Scene) -> None:
-    """Build the report of a scene."""
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
     page = content(scene, tell)

@@ -81,7 +81,6 @@ class Page:
     made: Sequence[str] = ()
 
     def render(self) -> str:
-        """The page as HTML."""
         templates = environment("tactus.report.page", escapes=True)
         return templates.get_template("page.html.jinja").render(page=self)
 

@@ -74,7 +74,6 @@ def classes() -> str:
 
 
 def keys(section: str) -> str:
-    """The keys of a section of a scene."""
     table = SCENE.keys[section].kind
     assert isinstance(table, KeyTable), section
     return key_rows(table)
@@ -95,7 +94,6 @@ def floors() -> str:
 
 
 def segments() -> str:
-    """The segments of Table 4.1 of the thesis."""
     rows = zip(range(1, len(UPPER) + 1), UPPER, GRADIENT, INTERCEPT, strict=True)
     return markdown("n | up to q_n | g_n | i_n", rows)
 
@@ -112,7 +110,6 @@ def pipeline() -> str:
 
 
 def activation_errors() -> str:
-    """The table of make activations."""
     table = activation_table()
     return f"{markdown(' | '.join(table.columns), table.shown)}\n\n{table.note}"
 
@@ -194,7 +191,6 @@ def wiring() -> str:
 
 
 def pin_sources() -> str:
-    """The sources of the pins."""
     lines = []
     for name in board_names():
         board = load_board(name)

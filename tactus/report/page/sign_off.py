@@ -163,7 +163,6 @@ def _details(kind: str, record: Record) -> tuple[str, str, list[list[str]]]:
 
 
 def sheet(block: str) -> str:
-    """The tables of a datasheet."""
     # A record of netlists or proofs holds all cases.
     records = {
         kind: [found for name in recorded_cases(block) if (found := recorded(kind, name))]

@@ -38,7 +38,6 @@ class Costs:
 
 
 def costs(scene: Scene, design: Network) -> Costs | None:
-    """The recorded costs of a scene, or None if there are none."""
     if not is_recorded(scene.path) or not is_recorded(scene.path, TIMING):
         return None
     cells = read_budget(scene.path)
@@ -54,7 +53,6 @@ def costs(scene: Scene, design: Network) -> Costs | None:
 
 
 def blocks(scene: Scene, design: Network, found: Costs) -> Table:
-    """The cells of every block of the scene."""
     columns = [*KINDS, DEPTH]
     rows: list[list[Cell]] = [
         [family, name, count, *(cells[column] for column in columns)]

@@ -63,13 +63,11 @@ def run_and_keep(job: Job, key: store.Key | None = None) -> Outcome:
 
 
 def run_kept(job: Job) -> Outcome:
-    """The kept result of a bench, which runs if there is none."""
     key = bench_key(job)
     return kept(job, key) or run_and_keep(job, key)
 
 
 def bench_key(job: Job) -> store.Key:
-    """The key of the result of a bench."""
     return store.key(
         "bench",
         entity=job.entity,

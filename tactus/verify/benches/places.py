@@ -33,7 +33,6 @@ def block_names() -> list[str]:
 
 
 def blocks_in(scene: Scene) -> set[str]:
-    """The names of the blocks of a scene."""
     return {part.block for part in walk(scene.twin()) if not part.part_of}
 
 

@@ -75,7 +75,6 @@ class Job:
 
     @property
     def hdl_folder(self) -> Path:
-        """The folder of the simulated files."""
         return self.build / self.scene.name / (self.form or language(self.simulator))
 
     @property
@@ -90,12 +89,10 @@ class Job:
 
     @property
     def trace_file(self) -> Path:
-        """The file of the trace."""
         return self.folder / "trace.jsonl"
 
     @property
     def build_folder(self) -> Path:
-        """The folder in which the simulator is built and runs."""
         return self.folder / "build"
 
     @property
@@ -105,14 +102,11 @@ class Job:
 
     @property
     def twin(self) -> Block:
-        """The twin of the entity."""
         return next(part for part in walk(self.scene.twin()) if part.entity == self.entity)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of a job."""
-
     job: Job
     passed: bool
     compared: int
@@ -121,7 +115,6 @@ class Outcome:
 
     @property
     def log(self) -> Path:
-        """The simulator's output."""
         return self.job.folder / "log.txt"
 
     def complaint(self) -> str:
@@ -273,7 +266,6 @@ def bench_input(scene: Scene, shipped: Iterable[Scene] = ()) -> BenchInput:
 
 
 def run_job(job: Job) -> Outcome:
-    """Build and simulate one entity."""
     shutil.rmtree(job.folder, ignore_errors=True)
     with writing(job.folder):
         job.folder.mkdir(parents=True)

@@ -137,7 +137,6 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
         return Path(self.work_dir) / RESULTS
 
     def set_env(self) -> None:
-        """Add the variables that cocotb needs to the given environment."""
         self.env |= machine() | {
             "COCOTB_TOPLEVEL": self.toplevel_module,
             "COCOTB_TEST_MODULES": self.module,
@@ -162,7 +161,6 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
                     raise SystemExit(f"{command[0]} ended with {ended.returncode}: see {self.log}")
 
     def run(self) -> str:
-        """Build and simulate, and return the results file."""
         self.set_env()
         self.execute(self.build_command())
         if not self.results.is_file() or not passed(self.results):
@@ -192,7 +190,6 @@ class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
         )
 
     def build_command(self) -> list[list[str]]:
-        """The commands that link the entity and simulate it."""
         link = ["ghdl", "-e", *self.compile_args, self.toplevel_module]
         return [link, *super().build_command()]
 

@@ -67,6 +67,5 @@ def _known(family: str) -> dict[str, str]:
 
 
 def _modules(source: str) -> Iterator[tuple[str, str]]:
-    """Name and text of each module."""
     for found in re.finditer(r"(?ms)^module\s+(\w+)\s*\(.*?^endmodule\b", source):
         yield found[1], found[0]

@@ -165,18 +165,14 @@ KIND = "equivalence"
 
 @dataclass(frozen=True)
 class Pair:
-    """An entity in both languages."""
-
     verilog: Job
     vhdl: Job
 
     @property
     def entities(self) -> list[str]:
-        """The entity and all entities inside it, parts first."""
         return [Path(name).stem for name in self.verilog.files]
 
     def source(self) -> str:
-        """A digest of the code in both languages."""
         names = [self.vhdl.hdl_folder / name for name in self.vhdl.files]
         code = [re.sub(r"--.*", "", file.read_text(encoding="utf-8")) for file in names]
         return fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code)
@@ -184,32 +180,26 @@ class Pair:
 
 @dataclass(frozen=True)
 class Result:
-    """The result of comparing both languages of a block."""
-
     pair: Pair
     # For each entity, what is not proved equal.
     differ: dict[str, list[str]]
 
     @property
     def complaints(self) -> list[str]:
-        """Why the languages are not proved equal."""
         found = self.differ.items()
         return [f"{entity}: {', '.join(where)} differ" for entity, where in found if where]
 
     @property
     def registers(self) -> dict[str, int]:
-        """For each entity, the bits of its registers."""
         return {entity: register_bits(*netlist_of(self.pair, entity)) for entity in self.differ}
 
     def line(self) -> str:
-        """The line that is printed."""
         if self.complaints:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
         bits = sum(self.registers.values())
         return f"VHDL equals Verilog, with {len(self.differ) - 1} parts and {bits} register bits"
 
     def facts(self) -> dict[str, Any]:
-        """The facts that are recorded."""
         own = self.pair.verilog.entity
         return {
             "source": self.pair.source(),
@@ -256,7 +246,6 @@ def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
 
 
 def check_record(pair: Pair) -> list[str]:
-    """A message if the record of a block is of another source."""
     block = pair.verilog.block
     faults = of_another_source(KIND, block, pair.source())
     return [f"{block}: the record of {KIND} {one}; run: {PROVE.format(block)}" for one in faults]

@@ -51,15 +51,12 @@ class Gate:
 
 @dataclass
 class Module:
-    """The netlist of one entity."""
-
     name: str
     # The direction and the width of each port.
     ports: dict[str, tuple[str, int]] = field(default_factory=dict)
     gates: list[Gate] = field(default_factory=list)
 
     def children(self) -> set[str]:
-        """The entities that it instantiates."""
         return {gate.kind for gate in self.gates[1:] if not gate.kind.startswith("$")}
 
 
@@ -301,7 +298,6 @@ class _Writer:
             self.names.setdefault(net, port)
 
     def text(self) -> str:
-        """The whole module."""
         lines = [f"module {self.module.name} ({', '.join(self.module.ports)});"]
         for name, (direction, width) in self.module.ports.items():
             lines.append(f"{direction} {wire_range(width) if width > 1 else ''}{name};")
@@ -345,7 +341,6 @@ class _Writer:
         return [f"assign {name} = {self.name(net)};"] if self.name(net) != name else []
 
     def name(self, net: Net) -> str:
-        """The name of a wire."""
         return self.names.get(net, f"{UNNAMED}{net.number}")
 
     def clock(self, net: Net) -> str:
@@ -370,7 +365,6 @@ class _Writer:
         return f"{last} - {self.name(index)}"
 
     def statements(self, gate: Gate) -> list[str]:
-        """The lines of a gate."""
         inputs = {port: self.name(net) for port, net in gate.inputs.items()}
         if not gate.kind.startswith("$"):
             outputs = {port: self.name(net) for port, net in gate.outputs.items()}
@@ -406,7 +400,6 @@ class _Writer:
             raise ValueError(f"{self.module.name}: {gate.name}: {gate.kind}: a number is too wide")
 
     def register(self, gate: Gate) -> list[str]:
-        """A register, or one for each element of a list of signals."""
         net = gate.outputs["q"]
         name, data = self.name(net), self.name(gate.inputs["d"])
         edge = f"always @(posedge {self.clock(gate.inputs['clk'])})"

@@ -44,8 +44,6 @@ KIND = "proof"
 
 @dataclass(frozen=True)
 class Result:
-    """The answers to all questions about a property."""
-
     job: Job
     item: Property
     answer: Answer
@@ -66,7 +64,6 @@ class Result:
         return found
 
     def line(self) -> str:
-        """The line that is printed."""
         if self.faults:
             return "; ".join(self.faults)
         if self.item.induction:
@@ -77,7 +74,6 @@ class Result:
         return f"{how}, {len(self.refuted)} broken copies refuted"
 
     def facts(self) -> dict[str, Any]:
-        """The facts that are recorded."""
         return {**_stated(self.job, self.item), "depth": self.answer.depth}
 
 
@@ -100,7 +96,6 @@ def _exported(block: str, case: str) -> Job:
 
 
 def settle(job: Job, item: Property, folder: Path) -> Result:
-    """Ask all questions about a property."""
     inquiry = Inquiry(job, item, folder)
     return Result(
         job,
@@ -132,7 +127,6 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
 
 
 def cases(block: str) -> list[str]:
-    """The cases in which a block is proved."""
     return [CASES_OF[block][0], *getattr(PROOFS.get(block), "PROVED", ())]
 
 

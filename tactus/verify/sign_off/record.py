@@ -43,7 +43,6 @@ def subject(block: str, simulator: str = RUNS_IN, case: str | None = None) -> Jo
 
 
 def chosen_blocks(block: str | None) -> list[str]:
-    """The block that is named, or all blocks."""
     if block is None:
         return sorted(BENCHES)
     check_name(block)
@@ -130,7 +129,6 @@ def short(facts: Any) -> Any:
 
 
 def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
-    """Record what was found for a block."""
     with BETWEEN, held([RECORDS]):
         _write(kind, records(kind) | {block: short(facts)})
 
@@ -164,7 +162,6 @@ def _value(cell: str) -> Any:
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
-    """The record of a block."""
     found = recorded(kind, block)
     if not found:
         raise MissingFileError(f"{_path(kind)}: no {kind} is recorded of {block}")

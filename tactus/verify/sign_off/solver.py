@@ -184,7 +184,6 @@ def _made(
 
 
 def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
-    """Whether yosys-smtbmc passes, and what it printed."""
     said = run_tool("yosys-smtbmc", ["-s", "z3", *arguments, "proof.smt2"], folder, failing=True)
     status = re.search(r"Status: (PASSED|FAILED|PREUNSAT)", said)
     if not status:
@@ -203,7 +202,6 @@ def _from_reset(clocks: int, folder: Path) -> Answer:
 
 
 def _what(said: str) -> str:
-    """What did not hold."""
     failed = re.search(r"Assert failed in \S+: (\S+)", said)
     return failed.group(1) if failed else "what is assumed contradicts itself"
 

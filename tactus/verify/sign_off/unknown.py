@@ -132,7 +132,6 @@ class Netlist:
         return self.in_reset(self.module["cells"][name]["connections"]["D"][n]) in ("0", "1")
 
     def registers(self) -> list[Register]:
-        """Every register, by name."""
         nets = sorted(self.module["netnames"].items(), key=lambda net: (net[1]["hide_name"], net))
         names = {bit: name for name, net in reversed(nets) for bit in net["bits"]}
         found: dict[tuple[str, bool], list[Bit]] = {}
