@@ -277,7 +277,7 @@ def held_out_line(scene: Scene, every: Decisions) -> str:
         return every.take(held).text
     stories = provenances(scene)
     if stories is None:
-        return "unknown: not trained here"
+        return UNKNOWN
     wrong = stories[0].get("test_wrong_percent")
     return (
         f"none any more, the network was trained on with all; before, {100 - wrong:.1f} % were "

@@ -3,7 +3,6 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from golden.input_error import InputError, suggest
 from tactus.core.files import named_file
@@ -48,11 +47,6 @@ DEVICES = {
 # one.
 SPEEDS: dict[str, tuple[int, ...]] = {"ecp5": (6, 7, 8), "ice40": ()}
 FAST, FAST_SPEEDS = "LFE5UM5G", (8,)
-
-
-def speeds_of(family: str, device: str) -> tuple[int, ...]:
-    """The speed grades of a device; none if its family has none."""
-    return FAST_SPEEDS if device.startswith(FAST) else SPEEDS[family]
 
 
 FOLDER = Path(__file__).parent
@@ -171,10 +165,7 @@ def load_board(name: str, device: str = "") -> Board:
     """
     known = {board: FOLDER / f"{board}.toml" for board in board_names()}
     path = named_file("board", name, known, list(known))
-    return _board(read_checked(path, BOARD), path, device)
-
-
-def _board(values: dict[str, Any], path: Path, device: str) -> Board:
+    values = read_checked(path, BOARD)
     part, clock = values["device"], values["clock"]
     family, names = part["family"], tuple(part["names"])
     for name in names:
@@ -184,11 +175,11 @@ def _board(values: dict[str, Any], path: Path, device: str) -> Board:
                 f"{suggest(name, list(DEVICES[family]))}"
             )
     for name in names if "speed" in part else ():
-        speeds = speeds_of(family, name)
+        speeds = FAST_SPEEDS if name.startswith(FAST) else SPEEDS[family]
         if part["speed"] not in speeds:
-            known = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
+            wanted = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
             raise InputError(
-                f"{path}: device.speed: got {part['speed']} for {name}, expected {known}"
+                f"{path}: device.speed: got {part['speed']} for {name}, expected {wanted}"
             )
     if device and device not in names:
         raise InputError(
@@ -207,7 +198,15 @@ def _board(values: dict[str, Any], path: Path, device: str) -> Board:
             raise InputError(
                 f"{path}: pins.{name}.inverted: got true, expected false except for a lamp"
             )
-    _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
+    seen: dict[str, str] = {}
+    for name, used in [("clock", clock["pin"]), *((n, p.pin) for n, p in (pins | high).items())]:
+        if not PLAIN.fullmatch(used):
+            raise InputError(
+                f"{path}: {name}: got pin {used!r}, expected a name such as 'B11' or '4'"
+            )
+        if used in seen:
+            raise InputError(f"{path}: {name}: got pin {used}, which {seen[used]} already has")
+        seen[used] = name
     for key, text in {**part["configuration"], "package": part["package"]}.items():
         if not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
             raise InputError(
@@ -232,15 +231,3 @@ def _board(values: dict[str, Any], path: Path, device: str) -> Board:
         pins=pins,
         high=high,
     )
-
-
-def _refuse_twice(pins: dict[str, str], path: Path) -> None:
-    seen: dict[str, str] = {}
-    for name, pin in pins.items():
-        if not PLAIN.fullmatch(pin):
-            raise InputError(
-                f"{path}: {name}: got pin {pin!r}, expected a name such as 'B11' or '4'"
-            )
-        if pin in seen:
-            raise InputError(f"{path}: {name}: got pin {pin}, which {seen[pin]} already has")
-        seen[pin] = name

@@ -39,32 +39,21 @@ def held(folders: Iterable[Path]) -> Iterator[None]:
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
+    number = -1
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        number = _lock(folder)
-    except OSError:
         # A command that cannot write there says so itself, and some file systems have no locks.
-        yield
-        return
-    try:
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                with stage(f"{folder}: waiting for {_holder(number)}"):
+                    fcntl.flock(number, fcntl.LOCK_EX)
         yield
     finally:
-        os.close(number)
-
-
-def _lock(folder: Path) -> int:
-    """The number of the folder's file, which is locked until it is closed."""
-    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        try:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            with stage(f"{folder}: waiting for {_holder(number)}"):
-                fcntl.flock(number, fcntl.LOCK_EX)
-    except BaseException:
-        os.close(number)
-        raise
-    return number
+        if number >= 0:
+            os.close(number)
 
 
 def _holder(number: int) -> str:

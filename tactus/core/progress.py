@@ -32,25 +32,22 @@ def duration(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
-class Heartbeat:
-    """Calls a function again and again in a thread of its own, while a block runs."""
+@contextmanager
+def heartbeat(call: Callable[[], None]) -> Iterator[None]:
+    """Call a function again and again in a thread of its own, while a block runs."""
+    ended = threading.Event()
 
-    def __init__(self, call: Callable[[], None]) -> None:
-        self._call = call
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._beat, name="progress", daemon=True)
+    def beat() -> None:
+        while not ended.wait(BEAT):
+            call()
 
-    def __enter__(self) -> Heartbeat:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._ended.set()
-        self._thread.join()
-
-    def _beat(self) -> None:
-        while not self._ended.wait(BEAT):
-            self._call()
+    thread = threading.Thread(target=beat, name="progress", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 @contextmanager
@@ -81,7 +78,7 @@ def stage(
 
     if not quick:
         print(said(), file=out, flush=True)
-    with Heartbeat(beat):
+    with heartbeat(beat):
         yield
 
 
@@ -130,7 +127,7 @@ class Progress:
         self._note = ""
         self._running: list[str] = []
         self._lock = threading.RLock()
-        self._heartbeat = Heartbeat(self._beat)
+        self._heartbeat = heartbeat(self._beat)
 
     def __enter__(self) -> Progress:
         self._show()
@@ -138,7 +135,7 @@ class Progress:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._heartbeat.__exit__(*error)
+        self._heartbeat.__exit__(None, None, None)
         if self.terminal:
             print(file=self.stream)
 

@@ -508,19 +508,10 @@ def plain(markdown: str) -> str:
     return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """Read the contents of a file."""
-    with reading(path, "TOML"):
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-
-
 def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
     """Read every key of a file with its value, check each by itself, and fill in the defaults."""
-    return checked(read_toml(path), table, path)
-
-
-def checked(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any]:
-    """Every key with its value, after a check of each by itself, with defaults filled in."""
+    with reading(path, "TOML"):
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
     found = [*_long(raw, "")] or [*table.faults(raw, "")]
     if found:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))

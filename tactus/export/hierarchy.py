@@ -85,23 +85,20 @@ def _signal(port: Port) -> Any:
     return signed(port.width) if port.signed else unsigned(port.width)
 
 
-class _VhdlInstance(_UserVhdlCode):
-    """A port map. The names of the actual signals are known only when it is written."""
+class _Instance:
+    """An instance of an entity, whose signals have their names only when it is written."""
 
     def __init__(self, label, entity, ports):
         self.label, self.entity, self.ports = label, entity, ports
 
+
+class _VhdlInstance(_Instance, _UserVhdlCode):
     def __str__(self):
         ports = ",\n".join(f"        {formal} => {s._name}" for formal, s in self.ports.items())
         return f"\n{self.label}: entity work.{self.entity}\n    port map (\n{ports}\n    );\n\n"
 
 
-class _VerilogInstance(_UserVerilogCode):
-    """A module instance."""
-
-    def __init__(self, label, entity, ports):
-        self.label, self.entity, self.ports = label, entity, ports
-
+class _VerilogInstance(_Instance, _UserVerilogCode):
     def __str__(self):
         ports = ",\n".join(f"    .{formal}({s._name})" for formal, s in self.ports.items())
         return f"\n{self.entity} {self.label} (\n{ports}\n);\n\n"

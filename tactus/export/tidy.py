@@ -40,10 +40,6 @@ def tidy(
     return re.sub(r"\n{3,}", "\n\n", f"{top}\n{text}\n")
 
 
-def name_architecture(text: str) -> str:
-    return re.sub(r"\barchitecture MyHDL\b", "architecture rtl", text)
-
-
 def fold_numbers(text: str) -> str:
     """A difference of two numbers becomes one: ``(4 - 1)`` is 3, and ``0 to 9-1`` is ``0 to 8``.
 
@@ -59,9 +55,19 @@ def fold_numbers(text: str) -> str:
     return re.sub(r"\b(\d+)-(1)(?= downto \d)", difference, text)
 
 
-def drop_shifts_by_nothing(text: str) -> str:
-    """``shift_right(x, 0)`` becomes ``x``."""
-    return re.sub(r"\bshift_(?:left|right)\((\w+), 0\)", r"\1", text)
+# A name; a shift by nothing; an empty loop; a blank that MyHDL writes only behind ``signed``.
+_REPLACED = (
+    (r"\barchitecture MyHDL\b", "architecture rtl"),
+    (r"\bshift_(?:left|right)\((\w+), 0\)", r"\1"),
+    (r"^ *for \w+ in 1 to 0 loop\n.*\n *end loop;\n", ""),
+    (r"signed \(", "signed("),
+)
+
+
+def replace_phrases(text: str) -> str:
+    for pattern, replacement in _REPLACED:
+        text = re.sub(pattern, replacement, text, flags=re.M)
+    return text
 
 
 def compare_flags(text: str) -> str:
@@ -91,10 +97,6 @@ def _bare(found: re.Match[str]) -> str:
     return "".join(found.groups())
 
 
-def drop_empty_loops(text: str) -> str:
-    return re.sub(r"^ *for \w+ in 1 to 0 loop\n.*\n *end loop;\n", "", text, flags=re.M)
-
-
 def fill_arrays(text: str) -> str:
     """Where all elements of an array take the same word in turn, one assignment does it."""
 
@@ -105,11 +107,6 @@ def fill_arrays(text: str) -> str:
         return f"{found[1]}{found[2]} <= (others => {found[3]});\n"
 
     return re.sub(r"^( *)(\w+)\(0\) <= (.*);\n(?:\1\2\(\d+\) <= \3;\n)*", fill, text, flags=re.M)
-
-
-def close_ranges(text: str) -> str:
-    """``signed(13 downto 0)`` is written without a blank, like ``unsigned(13 downto 0)``."""
-    return text.replace("signed (", "signed(")
 
 
 def drop_unused_packages(text: str) -> str:
@@ -235,14 +232,11 @@ def shorten_bit_strings(text: str) -> str:
 
 _VHDL_RULES = (
     shorten_bit_strings,
-    name_architecture,
     fold_numbers,
-    drop_shifts_by_nothing,
+    replace_phrases,
     compare_flags,
     drop_parentheses,
-    drop_empty_loops,
     fill_arrays,
-    close_ranges,
 )
 
 

@@ -68,8 +68,7 @@ def load_network(
     labels: The labels that the outputs stand for, in their order; see ``for_labels``.
     """
     form = form_of(path)
-    check_file(file_of(path), "no such network; make train SCENE=... writes it")
-    held = form.read(path)
+    held = held_in(path, "no such network; make train SCENE=... writes it")
     if labels:
         held = for_labels(path, held, labels)
     inputs, *hidden, outputs = shape
@@ -100,9 +99,9 @@ def load_network(
     return network_of(layers)
 
 
-def held_in(path: Path) -> ParsedNetwork:
+def held_in(path: Path, missing: str = "no such file") -> ParsedNetwork:
     form = form_of(path)
-    check_file(file_of(path))
+    check_file(file_of(path), missing)
     return form.read(path)
 
 

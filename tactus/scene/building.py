@@ -43,7 +43,9 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     design, trained, settings = DESIGNS[scene.design], scene.networks(), scene.settings(lean)
     try:
         network = arrange(scene.arrangement, trained, design, settings)
-        network = with_learning_engine(scene, network)
+        if scene.learning:
+            assert isinstance(network, Engine), "no other design is let through"
+            network = LearningEngine.of(network, *taught_of(scene))
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, held in zip(scene.members, trained, strict=True):
@@ -54,7 +56,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         with naming(scene.path):
             raise
     framed = network if scene.window.plain else Windowed(network, scene.window)
-    check_demand(scene, network, framed)
+    with naming(scene.path):
+        # Behind the memory of past samples the interval may be longer; the clocks are without it.
+        scene.demand.refuse(network, f"design {scene.design}")
+        replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")
     network = framed
     if scene.interface == "axi_stream":
         return AxisNetwork(network, scene.argmax)
@@ -96,22 +101,8 @@ def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
     return taught, steps.tolist()
 
 
-def with_learning_engine(scene: Scene, network: Network) -> Network:
-    """The engine of a scene, if the scene says so one that learns."""
-    if not scene.learning:
-        return network
-    assert isinstance(network, Engine), "no other design is let through"
-    return LearningEngine.of(network, *taught_of(scene))
-
-
-def _sections(scene: Scene) -> list[str]:
-    """The sections of a scene that surround its networks with something."""
-    there = {"front_end": scene.front_end, "visualisation": scene.visualisation}
-    return [f"a section [{name}]" for name, section in there.items() if section is not None]
-
-
 def task_of(scene: Scene) -> SizingTask:
-    around = _sections(scene)
+    around = [f"a section [{n}]" for n in ("front_end", "visualisation") if getattr(scene, n)]
     around += ["hardware.interface 'axi_stream'"] * (scene.interface == "axi_stream")
     around += ["data.window with past samples"] * (not scene.window.plain)
     codes = scene.vectors().codes
@@ -156,15 +147,3 @@ def chosen(scene: Scene, choice: Choice) -> Scene:
         activation=settings.activation,
         activation_options=dict(settings.activation_options),
     )
-
-
-def check_demand(scene: Scene, network: Network, framed: Network) -> None:
-    """Refuse a design that is slower than the scene demands.
-
-    network: The networks alone, whose clocks count.
-    framed: The same behind the memory of past samples, if there is one, which may take longer from
-        frame to frame.
-    """
-    with naming(scene.path):
-        scene.demand.refuse(network, f"design {scene.design}")
-        replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

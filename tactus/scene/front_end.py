@@ -219,7 +219,7 @@ def uart(values: dict[str, Any], path: Path) -> Uart | None:
     if "uart" not in values:
         return None
     baud, clock_mhz = values["uart"]["baud"], values["hardware"]["clock_mhz"]
-    clock = Fraction(str(clock_mhz)) * 1_000_000
+    clock = _hertz(clock_mhz)
     most = clock / LEAST_DIVISOR
     if not 1 <= baud <= most:
         raise InputError(
