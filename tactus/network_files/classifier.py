@@ -91,7 +91,7 @@ class _End:
                 f"makes probabilities of {self.width} classes that may hold at once, expected "
                 "classes of which one holds",
             )
-        if kind == "Sub" and not self._is_one(node.input[0]):
+        if kind == "Sub" and np.ravel(self.constants.get(node.input[0], 0)).tolist() != [1]:
             raise self.refuse(node, "expected 1 minus the probability")
         if kind == "Concat" and read != [FIRST, SECOND]:
             raise self.refuse(node, "expected the probabilities of both classes, in their order")
@@ -102,10 +102,6 @@ class _End:
         elif kind == "ZipMap":
             named = [v for k, v in attributes.items() if k.startswith("classlabels")]
             self._name(node, [value for several in named for value in several])
-
-    def _is_one(self, name: str) -> bool:
-        value = self.constants.get(name)
-        return value is not None and np.size(value) == 1 and np.ravel(value)[0] == 1
 
     def _name(self, node: Any, values: Any) -> None:
         """Take labels, which must be as many as the classes and the same wherever they are."""

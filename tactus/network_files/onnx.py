@@ -5,7 +5,7 @@ too, are folded into the layer that follows, or into the one before. Behind the 
 of a classifier may stand.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -48,16 +48,6 @@ DEFAULTS = {
 }
 # Gelu with the attribute approximate = "tanh".
 GELU_OF_TANH = "0.5 * x * (1 + tanh(sqrt(2 / pi) * (x + 0.044715 * x ** 3)))"
-
-
-def function_of(operator: str, attributes: Mapping[str, Any]) -> Function:
-    """The function of an operator with these attributes, under the operator's name."""
-    expression = EXPRESSIONS[operator]
-    if operator == "Gelu" and attributes.get("approximate") == "tanh":
-        expression = GELU_OF_TANH
-    values = DEFAULTS.get(operator, {})
-    values = {name: attributes.get(name, value) for name, value in values.items()}
-    return Function(operator.lower(), expression.format(**values))
 
 
 # Whatever their order in the file, weights are described with nodes in rows.
@@ -346,8 +336,12 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
             leak = float(slopes[0])
         chain.activate(node, ACTIVATIONS[node.op_type], leak)
     elif node.op_type in EXPRESSIONS:
+        expression, usual = EXPRESSIONS[node.op_type], DEFAULTS.get(node.op_type, {})
+        if node.op_type == "Gelu" and attributes.get("approximate") == "tanh":
+            expression = GELU_OF_TANH
+        own = {name: attributes.get(name, value) for name, value in usual.items()}
         with naming(f"{chain.path}: operator {node.op_type} ({node.name!r})"):
-            function = function_of(node.op_type, attributes)
+            function = Function(node.op_type.lower(), expression.format(**own))
         chain.look_up(node, function)
     elif node.op_type == "Cast":
         kinds = {number: name for name, number in TensorProto.DataType.items()}
