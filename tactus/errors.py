@@ -287,24 +287,20 @@ def held_out_line(scene: Scene, every: Decisions) -> str:
     )
 
 
-def table_lines(found: Decisions) -> list[str]:
-    """The confusion matrix as lines of text, with the part of each class that is right."""
+def lines_of(scene: Scene) -> list[str]:
+    """The decisions of a scene, and the confusion matrix with what is right of each class."""
+    every = decisions_of(scene)
+    found, rows = held_out_or_all(scene, every)
     counts = found.confusion
     wide = max(6, *map(len, found.labels))
-    lines = [" ".join(f"{text:>{wide}}" for text in ("", *found.labels, "right"))]
+    lines = [
+        f"decisions                 {every.text}",
+        f"decisions, held out       {held_out_line(scene, every)}",
+        f"{scene.classes} of the row (down) and as decided (across), {rows}:",
+        " ".join(f"{text:>{wide}}" for text in ("", *found.labels, "right")),
+    ]
     for label, row, own in zip(found.labels, counts, counts.diagonal(), strict=True):
         cells = (str(n) if n else "." for n in row)
         right = percent(int(own), int(row.sum()))
         lines.append(" ".join(f"{text:>{wide}}" for text in (label, *cells, right)))
     return lines
-
-
-def lines_of(scene: Scene) -> list[str]:
-    every = decisions_of(scene)
-    found, rows = held_out_or_all(scene, every)
-    return [
-        f"decisions                 {every.text}",
-        f"decisions, held out       {held_out_line(scene, every)}",
-        f"{scene.classes} of the row (down) and as decided (across), {rows}:",
-        *table_lines(found),
-    ]

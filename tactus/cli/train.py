@@ -25,7 +25,6 @@ from tactus.core.hold import held
 from tactus.core.machine import versions
 from tactus.core.progress import Progress
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
-from tactus.network_files.parsed import short_path
 from tactus.rig.check import before_training, classes
 from tactus.scene import Scene, load_scene
 from tactus.scene.known_scales import story
@@ -146,15 +145,8 @@ def main() -> None:
         "train",
         __doc__,
         option("WORKERS", kind=int, start=-1),  # processes; -1: one a core
-        option("INTO", kind=Path),  # the folder for the networks, instead of that of the scene
     )
     scene = load_scene(arguments.scene)
-    if arguments.into:
-        members = (
-            replace(member, weights_path=arguments.into / short_path(member.weights_path))
-            for member in scene.members
-        )
-        scene = replace(scene, members=tuple(members))
     check_layers(scene)
     refuse(before_training(scene, arguments.build))
     for path in filter(Path.exists, scene.network_files):

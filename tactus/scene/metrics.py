@@ -1,4 +1,4 @@
-"""Errors as the thesis reports them: in percent, in millimetres, of motions and activations."""
+"""Errors as the thesis reports them: in percent, in millimetres, and of activations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -8,7 +8,7 @@ from typing import Any
 from golden.input_error import InputError, naming
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.numbers.expression import ALLOWED
-from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.trained.dense import ACTIVATIONS, DenseNetwork, Trained, layers_of, network_of
 from golden.trained.function import (
     TABLE,
     Function,
@@ -154,14 +154,11 @@ class SceneNetwork:
                 f"{self.weights_path}: got a network without quantisers, expected a quantised one, "
                 "because network.quantised of the scene is 'nearest'"
             )
-        return network_of([_rounded(layer) for layer in network.layers])
-
-
-def _rounded(layer: Dense) -> Dense:
-    """A layer that may be rounded to what hardware holds."""
-    if layer.quantiser is None:
-        return layer
-    return replace(layer, quantiser=replace(layer.quantiser, nearest=True))
+        layers = [
+            replace(layer, quantiser=layer.quantiser and replace(layer.quantiser, nearest=True))
+            for layer in network.layers
+        ]
+        return network_of(layers)
 
 
 def members(
@@ -241,7 +238,8 @@ def _functions(
 ) -> tuple[Function, ...]:
     """The functions that a scene defines, some of them by points in files."""
     with naming(path):
-        given = network["functions"] | {name: _points(file) for name, file in files.items()}
+        points = {n: read_table(file, ["x", "y"]).T.tolist() for n, file in files.items()}
+        given = network["functions"] | {n: {"x": x, "y": y} for n, (x, y) in points.items()}
         found = tuple(read_function(name, given[name]) for name in network["functions"])
     with naming(f"{path}: network.activations"):
         for n, activation in enumerate(network["activations"]):
@@ -250,11 +248,6 @@ def _functions(
             nodes = hidden[n] if n < len(hidden) and hidden[n] else len(names)
             functions_of(activation, nodes, by_name(found))
     return found
-
-
-def _points(file: Path) -> dict[str, list[float]]:
-    x, y = read_table(file, ["x", "y"]).T.tolist()
-    return {"x": x, "y": y}
 
 
 def _layers(

@@ -134,9 +134,7 @@ class Scene:
 
     @property
     def window_text(self) -> str:
-        """The delays of the samples in frames, as text; empty where there is no past."""
-        if self.window.plain:
-            return ""
+        """The delays of the samples in frames, as text."""
         texts = [" ".join(map(str, delays)) for delays in self.window.delays]
         if len(set(texts)) == 1:
             return texts[0]
