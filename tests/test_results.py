@@ -26,7 +26,7 @@ from tactus.core.files import check_writable, replace_file, replace_files, repla
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.core.progress import PAUSE, Progress, stage
-from tactus.report.measure import steps as parts
+from tactus.report.page import content as parts
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from tactus.verify.benches import kept_results, results
 from tactus.verify.benches.collected import BENCHES, CASES_OF

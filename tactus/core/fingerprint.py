@@ -21,8 +21,3 @@ def fingerprint(paths: Iterable[Path], *facts: str) -> str:
             digest.update(f"{name}\0".encode())
             digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
-
-
-def sources(*rooms: str) -> list[Path]:
-    """All Python files in some rooms of this project."""
-    return sorted(file for room in rooms for file in (ROOT / room).rglob("*.py"))

@@ -1,11 +1,16 @@
 """The content of the report of a scene."""
 
-from collections.abc import Iterable, Sequence
+import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from golden.networks.network import Network
 from tactus.core import store
+from tactus.core.closure import code
+from tactus.core.fingerprint import ROOT, fingerprint
+from tactus.core.machine import versions
 from tactus.core.templates import environment
 from tactus.report.designs import designs, picture_of, refused_lines, sentence
 from tactus.report.draw.outcome import (
@@ -32,7 +37,6 @@ from tactus.report.measure.outcome import (
     worst_rows,
     wrong_rows,
 )
-from tactus.report.measure.steps import Progress, cached, packed, part_key
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
 from tactus.report.page.summary import Costs, blocks, costs
@@ -43,6 +47,45 @@ from tactus.verify.benches.results import left_texts, stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
 from tactus.verify.prove import proof_line
+
+# A function that is told the name of a part, the seconds that it took, and whether it was kept.
+Progress = Callable[[str, float, bool], None]
+
+
+def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Key:
+    """The key of a part of a report, which is kept in the store.
+
+    It holds the code that makes the part and all data that tactus ships. So nothing is measured
+    again when only a page of the report changes.
+
+    modules: The modules with the functions and classes that make it.
+    parts: Everything else on which the part depends.
+    """
+    tools = [f"{n} {v}" for n, v in versions("myhdl", "numpy", "scipy", "python").items()]
+    return store.key("report", name=name, code=code(modules), data=_data(), tools=tools, **parts)
+
+
+@cache
+def _data() -> str:
+    """A digest of the data that tables read."""
+    return fingerprint([ROOT / "scenes"])
+
+
+def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
+    """The result of ``work``, from the store if it is kept there."""
+    name, started = asked.parts["name"], time.perf_counter()
+    answer = store.read(asked)
+    if answer is not None:
+        tell(name, 0.0, True)
+        return answer
+    answer = store.write(asked, work())
+    tell(name, time.perf_counter() - started, False)
+    return answer
+
+
+def packed(table: Table) -> dict[str, Any]:
+    """A table as the store holds it: the arguments of ``Table``."""
+    return {"name": table.name, **table.as_data()}
 
 
 @dataclass(frozen=True)
