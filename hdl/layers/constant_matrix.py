@@ -31,11 +31,16 @@ def wrapping(width: int):
 
 
 @block
-def add(low, high, total, *, low_cut: int, high_cut: int, move: int):
-    """``total`` is the sum of two numbers.
+def add(low, high, total, *, label: str, steps: tuple[Alignment, ...], minus: bool, reverse: bool):
+    """The sum of two numbers, or their difference, or with ``reverse`` its negative.
 
-    Each of them is cut first: it loses its last bits. Then ``high`` is moved left.
+    Each of them is cut first: it loses its last bits. Then ``high`` is moved left. ``label`` stands
+    in the exported files.
     """
+    low_cut, high_cut, move = steps[0].cut, steps[1].cut, steps[1].move
+    # Where low is positive and high negative, bits of low would pass beside the adder, if high were
+    # moved.
+    moves = reverse or not minus
     count = len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
@@ -47,33 +52,12 @@ def add(low, high, total, *, low_cut: int, high_cut: int, move: int):
         turned = intbv(0, min=-half, max=half)
         one[:] = low >> low_cut
         other[:] = high >> high_cut
-        other[:] = other << move
-        turned[:] = one + other
-        turned[:] = ~turned
-        result[:] = ~turned
-        total.next = result[count:].signed()
-
-    return join
-
-
-@block
-def subtract(low, high, total, *, low_cut: int, high_cut: int, move: int, reverse: bool):
-    """``low`` minus ``high``, or with ``reverse`` the opposite; both are taken as in ``add``."""
-    count = len(total)
-    half = 1 << max(len(low), len(high) + move, count)
-
-    @always_comb
-    def join():
-        one = intbv(0, min=-half, max=half)
-        other = intbv(0, min=-half, max=half)
-        result = intbv(0, min=-half, max=half)
-        turned = intbv(0, min=-half, max=half)
-        one[:] = low >> low_cut
-        other[:] = high >> high_cut
-        # Otherwise high is not moved: bits of low would pass beside the adder.
-        if reverse:
+        if moves:
             other[:] = other << move
-        turned[:] = other - one if reverse else one - other
+        if not minus:
+            turned[:] = one + other
+        else:
+            turned[:] = other - one if reverse else one - other
         turned[:] = ~turned
         result[:] = ~turned
         total.next = result[count:].signed()
@@ -207,10 +191,10 @@ def append(number, above, total, *, start: int, end: int):
 
 
 @block
-def finish(clk, number, result, *, drop: int):
+def finish(clk, number, result, *, label: str, drop: int, rectified: bool):
     """The result of a row, one clock later: its number without the last bits, saturated.
 
-    A ``drop`` below 0 moves the number left instead.
+    A ``drop`` below 0 moves the number left instead. If ``rectified``, a number below 0 gives 0.
     """
     cut, move = max(0, drop), max(0, -drop)
     count, sign = len(result), max(len(number) + move, len(result))
@@ -226,43 +210,14 @@ def finish(clk, number, result, *, drop: int):
             top = intbv(0, min=-half, max=half)
         word[:] = number >> cut
         word[:] = word << move
-        if fits:
-            result.next = word[count:].signed()
-        else:
-            top[:] = word >> places
-            if top == 0 or top == -1:
-                result.next = word[count:].signed()
-            elif word[sign]:
-                result.next = low
-            else:
-                result.next = high
-
-    return keep
-
-
-@block
-def rectify(clk, number, result, *, drop: int):
-    """As ``finish``, but a number below 0 gives 0."""
-    cut, move = max(0, drop), max(0, -drop)
-    count, sign = len(result), max(len(number) + move, len(result))
-    places = count - 1
-    half = 1 << sign
-    high = (1 << places) - 1
-    fits = len(number) - drop <= count
-
-    @always(clk.posedge)
-    def keep():
-        word = intbv(0, min=-half, max=half)
-        if not fits:
-            top = intbv(0, min=-half, max=half)
-        word[:] = number >> cut
-        word[:] = word << move
         if not fits:
             top[:] = word >> places
-        if word[sign]:
+        if rectified and word[sign]:
             result.next = 0
-        elif fits or top == 0:
+        elif fits or top == 0 or (not rectified and top == -1):
             result.next = word[count:].signed()
+        elif not rectified and word[sign]:
+            result.next = low
         else:
             result.next = high
 
@@ -365,14 +320,12 @@ class Numbers:
 
     def _two(self, terms: list[Term], passing: int, total) -> None:
         low, high = terms
-        minus, move = low.sign != high.sign, high.step.move
-        cuts = {"low_cut": low.step.cut, "high_cut": high.step.cut}
+        minus, steps = low.sign != high.sign, (low.step, high.step)
         if passing:
-            make = partial(add_above, low_cut=low.step.cut, move=move, minus=minus)
-        elif minus:
-            make = partial(subtract, **cuts, move=move, reverse=low.sign < 0)
+            make = partial(add_above, low_cut=low.step.cut, move=high.step.move, minus=minus)
         else:
-            make = partial(add, **cuts, move=move)
+            make = partial(add, label="subtract" if minus else "add", steps=steps, minus=minus)
+            make = partial(make, reverse=low.sign < 0)
         self.parts.append(partial(make, low.number, high.number, total))
 
     def _three(self, terms: list[Term], value: int, passing: int, total) -> None:
@@ -412,8 +365,8 @@ class Numbers:
             evened = wrapping(len(number))
             self.parts.append(partial(tie_to_even, number, evened, drop=drop))
             number = evened
-        make = rectify if kind.rectified else finish
-        self.parts.append(partial(make, self.clk, number, result, drop=drop))
+        make = partial(finish, label="rectify" if kind.rectified else "finish", drop=drop)
+        self.parts.append(partial(make, self.clk, number, result, rectified=kind.rectified))
 
 
 @block

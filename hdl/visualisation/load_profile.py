@@ -1,6 +1,6 @@
 """load_profile: draws the load along the beam, position by position."""
 
-from myhdl import always, always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block, instances
 
 from golden.numbers.fixed import Rounding
 from golden.visualisation.load_profile import DISTANCE_CLOCKS, RECTANGLE, TRIANGLE, LoadProfile
@@ -90,6 +90,11 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
     height = fixed(fmt)
     point_valid, point_last = flag(), flag()
 
+    take_results = results(
+        clk, in_.valid, [in_.load, in_.position, in_.width, in_.shape], next_results
+    )
+    hold_results = results(clk, restart, next_results, held_results)
+
     @always_comb
     def start():
         restart.next = waiting and not busy
@@ -107,6 +112,10 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
             busy.next = False
         again.next = point_valid and not point_last
 
+    draw = ramp(clk, rst, Stream(valid=x_valid, data=x, last=x_last), in_valid=ask, spec=spec.ramp)
+    measure = distance_from(clk, x, centre, distance)
+    wait_for_distance = delay(clk, rst, x_valid, distance_valid, clocks=DISTANCE_CLOCKS)
+
     # For the divider a width of 0 is the narrowest load. A width below 0 counts as 0.
     @always_comb
     def clip():
@@ -115,6 +124,14 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
         else:
             positive_width.next = width[magnitude_width:]
 
+    divide = divider(
+        clk,
+        rst,
+        Stream(valid=distance_valid, distance=distance, width=positive_width),
+        Stream(valid=t_valid, data=t),
+        spec=spec.divider,
+    )
+
     @always_comb
     def choose():
         if shape > threshold:
@@ -122,14 +139,36 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
         else:
             power.next = high_power
 
+    raise_power = power_fold(
+        clk,
+        rst,
+        Stream(valid=t_valid, data=t, power=power),
+        Stream(valid=power_valid, data=powered),
+        spec=spec.power_fold,
+    )
+
     @always_comb
     def split():
         addr.next = powered[:offset_width]
         offset.next = powered[offset_width:]
 
+    look_up = exp_memory(clk, addr, word, spec=spec.exp_memory)
+    wait_for_word = delay(clk, rst, power_valid, word_valid, clocks=spec.exp_memory.latency)
+    interpolate = exp_interpolator(
+        clk,
+        rst,
+        Stream(valid=word_valid, word=word, offset=offset),
+        Stream(valid=value_valid, data=value),
+        spec=spec.exp_interpolator,
+    )
+    widen_value = connect(value, wide_value)
+
     @always(clk.posedge)
     def multiply():
         product.next = load * wide_value
+
+    wait_for_product = delay(clk, rst, value_valid, product_valid, clocks=1)
+    round_height = requantise(product, height, shift=word_width, rounding=Rounding.ROUND)
 
     @always_seq(clk.posedge, reset=rst)
     def finish():
@@ -147,45 +186,4 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
         out.valid.next = point_valid
         out.last.next = point_last
 
-    return (
-        results(clk, in_.valid, [in_.load, in_.position, in_.width, in_.shape], next_results),
-        results(clk, restart, next_results, held_results),
-        start,
-        advance,
-        ramp(clk, rst, Stream(valid=x_valid, data=x, last=x_last), in_valid=ask, spec=spec.ramp),
-        distance_from(clk, x, centre, distance),
-        delay(clk, rst, x_valid, distance_valid, clocks=DISTANCE_CLOCKS),
-        clip,
-        divider(
-            clk,
-            rst,
-            Stream(valid=distance_valid, distance=distance, width=positive_width),
-            Stream(valid=t_valid, data=t),
-            spec=spec.divider,
-        ),
-        choose,
-        power_fold(
-            clk,
-            rst,
-            Stream(valid=t_valid, data=t, power=power),
-            Stream(valid=power_valid, data=powered),
-            spec=spec.power_fold,
-        ),
-        split,
-        exp_memory(clk, addr, word, spec=spec.exp_memory),
-        delay(clk, rst, power_valid, word_valid, clocks=spec.exp_memory.latency),
-        exp_interpolator(
-            clk,
-            rst,
-            Stream(valid=word_valid, word=word, offset=offset),
-            Stream(valid=value_valid, data=value),
-            spec=spec.exp_interpolator,
-        ),
-        connect(value, wide_value),
-        multiply,
-        delay(clk, rst, value_valid, product_valid, clocks=1),
-        requantise(product, height, shift=word_width, rounding=Rounding.ROUND),
-        finish,
-        keep,
-        show,
-    )
+    return instances()

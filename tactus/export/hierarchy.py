@@ -167,7 +167,7 @@ def _entities(instance: _Block) -> Iterator[_Block]:
                 continue
             # Operations are counted by themselves: they give no name where a variable does.
             prefix = "op_" if sub.func.__module__ == ops.__name__ else ""
-            name = f"{prefix}{sub.func.__name__}"
+            name = sub.kwargs.get("label", f"{prefix}{sub.func.__name__}")
             sub.name = sub.__name__ = f"{name}{count[name]}"
             count[name] += 1
             yield from visit(sub)
