@@ -21,9 +21,6 @@ def abs_unit(clk, rst, in_: Stream, out: Stream, *, spec: AbsUnit):
     opposite = signed(width + 1)
     magnitude = unsigned(spec.mag_width)
 
-    widen = ops.widen(in_.data, wide)
-    negate = ops.negate(wide, opposite)
-
     @always_comb
     def choose():
         if not in_.data[width - 1]:
@@ -43,4 +40,4 @@ def abs_unit(clk, rst, in_: Stream, out: Stream, *, spec: AbsUnit):
     def mark():
         out.valid.next = in_.valid
 
-    return widen, negate, choose, keep, mark
+    return ops.widen(in_.data, wide), ops.negate(wide, opposite), choose, keep, mark

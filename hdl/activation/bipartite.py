@@ -245,10 +245,7 @@ def masked(clk, addr, mask, addr_late):
         lower.next = addr[last:]
         mask_late.next = mask
 
-    unmask = ops.xor(first_masked, mask_late, first)
-    join = ops.join(first, lower, addr_late)
-
-    return keep, unmask, join
+    return keep, ops.xor(first_masked, mask_late, first), ops.join(first, lower, addr_late)
 
 
 @block

@@ -29,9 +29,7 @@ def square_of(clk, mag, square, *, shift: int, rounding):
 
     finish = requantise(exact, kept, shift=shift, rounding=rounding)
 
-    narrow = ops.bits(kept, width, 0, square)
-
-    return x_copy, multiply, finish, narrow
+    return x_copy, multiply, finish, ops.bits(kept, width, 0, square)
 
 
 @block
@@ -62,9 +60,7 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
     def keep():
         late.next = coeff
 
-    align = ops.shift_left(late, shift, aligned)
-
-    return table, keep, align
+    return table, keep, ops.shift_left(late, shift, aligned)
 
 
 @block
@@ -106,9 +102,7 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
         total.next = products + aligned
 
     if spec.factor is None:
-        copy = ops.widen(total, scaled)
-
-        denormalise = [copy]
+        denormalise = [ops.widen(total, scaled)]
     else:
         exact = signed(scaled_width)
         denormalise = [

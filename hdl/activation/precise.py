@@ -42,9 +42,7 @@ def row_adder(total, row, low, result):
         low.next = total[0]
         rest.next = total >> 1
 
-    add = ops.add(rest, row, result)
-
-    return shift, add
+    return shift, ops.add(rest, row, result)
 
 
 @block

@@ -16,9 +16,6 @@ def sign_retriever(clk, rst, in_: Stream, out: Stream, *, spec: SignRetriever):
     positive = fixed(spec.fmt)
     opposite = fixed(spec.fmt)
 
-    widen = ops.widen(in_.mag, positive)
-    negate = ops.negate(positive, opposite)
-
     @always(clk.posedge)
     def keep():
         if in_.negative:
@@ -30,4 +27,4 @@ def sign_retriever(clk, rst, in_: Stream, out: Stream, *, spec: SignRetriever):
     def mark():
         out.valid.next = in_.valid
 
-    return widen, negate, keep, mark
+    return ops.widen(in_.mag, positive), ops.negate(positive, opposite), keep, mark

@@ -15,12 +15,9 @@ def past_whole(clk, rst, good, yields, *, past: int):
     known = unsigned(past.bit_length())
     whole = flag()
 
-    compare = ops.equal(known, past, whole)
-    decide = ops.both(good, whole, yields)
-
     @always_seq(clk.posedge, reset=rst)
     def count():
         if good and not whole:
             known.next = known + 1
 
-    return compare, decide, count
+    return ops.equal(known, past, whole), ops.both(good, whole, yields), count

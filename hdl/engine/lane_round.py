@@ -150,13 +150,11 @@ def halve(acc, *, high, relu, own, given, now, bits: int):
     unit = DROPPED + bits
     rest, halfway = unsigned(unit), flag()
 
-    look = ops.bits(acc, unit, 0, rest)
-
     @always_comb
     def compare():
         halfway.next = rest == 0 and relu and not high
 
-    return look, compare, zero(own, halfway, given, now)
+    return ops.bits(acc, unit, 0, rest), compare, zero(own, halfway, given, now)
 
 
 @block

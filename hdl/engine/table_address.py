@@ -18,8 +18,6 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     last = spec.segments - 1
     addr_width = spec.addr_width
 
-    cut = ops.bits(q, sign, low, part)
-
     @always_comb
     def complement():
         if q[sign]:
@@ -33,8 +31,6 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     most = last >> ones
     top = unsigned(width - ones)
 
-    look = ops.bits(high, width, ones, top)
-
     @always(clk.posedge)
     def address():
         if top > most:
@@ -42,4 +38,4 @@ def table_address(clk, q, addr, *, spec: TableAddress):
         else:
             addr.next = high[addr_width:]
 
-    return cut, complement, look, address
+    return ops.bits(q, sign, low, part), complement, ops.bits(high, width, ones, top), address

@@ -13,8 +13,6 @@ def pair(clk, one, other, winner: Stream):
     """The larger of two outputs, with its number in the pair, and the smaller, one clock later."""
     loses = flag()
 
-    compare = ops.less(one, other, loses)
-
     @always(clk.posedge)
     def keep():
         if loses:
@@ -26,7 +24,7 @@ def pair(clk, one, other, winner: Stream):
             winner.second.next = other
             winner.index.next = 0
 
-    return compare, keep
+    return ops.less(one, other, loses), keep
 
 
 @block
@@ -103,13 +101,11 @@ def subtract(clk, last: Stream, margin):
     width = len(margin)
     lead = signed(width + 1)
 
-    differ = ops.subtract(last.top, last.second, lead)
-
     @always(clk.posedge)
     def keep():
         margin.next = lead[width:]
 
-    return differ, keep
+    return ops.subtract(last.top, last.second, lead), keep
 
 
 @block

@@ -21,15 +21,11 @@ def weigh(clk, data, term, *, weight: int, width: int, shift: int):
     wide = signed(max(len(data), width))
     product = signed(len(data) + width)
 
-    widen = ops.widen(data, wide)
-
     @always(clk.posedge)
     def multiply():
         product.next = wide * weight
 
-    cut = ops.shift_right(product, shift, term)
-
-    return widen, multiply, cut
+    return ops.widen(data, wide), multiply, ops.shift_right(product, shift, term)
 
 
 @block
@@ -43,9 +39,7 @@ def constant(clk, term, *, value: int, width: int, shift: int):
     def keep():
         word.next = value
 
-    move = ops.shift_left(word, shift, term)
-
-    return keep, move
+    return keep, ops.shift_left(word, shift, term)
 
 
 @block

@@ -41,15 +41,12 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
     moved = signed(coeff_fmt.width + shift)
     words = rom(addr, word, words=biases, meanings=coeff_fmt.texts(biases))
 
-    widen = ops.widen(bias, wide)
-    move = ops.shift_left(wide, shift, moved)
-
     @always(clk.posedge)
     def keep():
         bias.next = word
         term.next = moved
 
-    return words, widen, move, keep
+    return words, ops.widen(bias, wide), ops.shift_left(wide, shift, moved), keep
 
 
 @block

@@ -92,13 +92,11 @@ def since_packet(clk, rst, begins, event, told):
     """``told`` is high if ``event`` has come since the last packet, or comes in this clock."""
     seen = flag()
 
-    look = ops.either(seen, event, told)
-
     @always_seq(clk.posedge, reset=rst)
     def remember():
         seen.next = told and not begins
 
-    return look, remember
+    return ops.either(seen, event, told), remember
 
 
 @block
@@ -110,9 +108,7 @@ def refused_frame(clk, rst, complete, frame_error, told, flag_out):
     def remember():
         refused.next = not complete and (refused or frame_error)
 
-    look = ops.either(told, refused, flag_out)
-
-    return remember, look
+    return remember, ops.either(told, refused, flag_out)
 
 
 @block

@@ -69,6 +69,4 @@ def uart_receiver(clk, rst, out: Stream, *, rx, line_error, spec: UartReceiver):
         out.valid.next = ends and line
         line_error.next = ends and not line
 
-    show = ops.widen(kept, out.data)
-
-    return synchronise, look, decide, divide, step, shift, tell, show
+    return synchronise, look, decide, divide, step, shift, tell, ops.widen(kept, out.data)

@@ -41,8 +41,6 @@ def gate(
     ready, accept, good = flag(), flag(), flag()
     parts = []
 
-    find = ops.equal(place, final_place, final)
-
     @always_comb
     def judge():
         accept.next = s_axis.tvalid and ready
@@ -128,7 +126,7 @@ def gate(
         # The network itself drops the same elements that are dropped here.
         parts += [look, connect(accept, out.valid), connect(s_axis.tlast, out.last)]
 
-    return find, judge, show, step, parts
+    return ops.equal(place, final_place, final), judge, show, step, parts
 
 
 @block
@@ -143,9 +141,7 @@ def credit(clk, rst, done, left, full, *, frames: int):
         elif left and not done:
             used.next = used - 1
 
-    compare = ops.equal(used, frames, full)
-
-    return count, compare
+    return count, ops.equal(used, frames, full)
 
 
 @block

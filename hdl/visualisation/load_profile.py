@@ -43,9 +43,6 @@ def distance_from(clk, x, centre, distance):
     def subtract():
         difference.next = x - centre
 
-    copy = ops.widen(difference, wide)
-    negate = ops.negate(wide, opposite)
-
     @always(clk.posedge)
     def keep():
         if difference[sign]:
@@ -53,7 +50,7 @@ def distance_from(clk, x, centre, distance):
         else:
             distance.next = difference[sign:]
 
-    return subtract, copy, negate, keep
+    return subtract, ops.widen(difference, wide), ops.negate(wide, opposite), keep
 
 
 @block

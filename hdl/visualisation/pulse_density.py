@@ -25,13 +25,9 @@ def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
         asked.next = in_data[width:]
         asked.next[sign] = not in_data[sign]
 
-    add = ops.add(remainder, asked, total)
-
     @always_seq(clk.posedge, reset=rst)
     def divide():
         remainder.next = total[width:]
         given.next = total[width]
 
-    show = ops.widen(given, out_bit)
-
-    return offset, add, divide, show
+    return offset, ops.add(remainder, asked, total), divide, ops.widen(given, out_bit)
