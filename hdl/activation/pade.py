@@ -35,12 +35,8 @@ def offset(data, total, *, constant: int):
     magnitude = abs(constant)
 
     if constant < 0:
-        move = ops.subtract(data, magnitude, total)
-
-    else:
-        move = ops.add(data, magnitude, total)
-
-    return move
+        return ops.subtract(data, magnitude, total)
+    return ops.add(data, magnitude, total)
 
 
 @block
@@ -67,21 +63,13 @@ def horner(clk, square, total, *, constants: Horner, bracket_width, square_frac,
 @block
 def low_signed(data, low):
     """``low`` is the low bits of ``data`` as a signed number."""
-    width = len(low)
-
-    keep = ops.signed_bits(data, width, 0, low)
-
-    return keep
+    return ops.signed_bits(data, len(low), 0, low)
 
 
 @block
 def low_unsigned(data, low):
     """``low`` is the low bits of ``data`` as a number that is not negative, and a sign bit of 0."""
-    width = len(low) - 1
-
-    keep = ops.bits(data, width, 0, low)
-
-    return keep
+    return ops.bits(data, len(low) - 1, 0, low)
 
 
 @block

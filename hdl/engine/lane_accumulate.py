@@ -157,9 +157,7 @@ def select(clk, word, kind, factor, *, segment_width: int):
 def gathered(clk, product, gather, other, added, *, width: int, partners: int):
     """What is added: the product, or the sum of another lane, which a bit of ``gather`` names."""
     if not partners:
-        widen = ops.widen(product, added)
-
-        return widen
+        return ops.widen(product, added)
 
     takes = flag()
     found = [signed(width) for _ in range(partners)]

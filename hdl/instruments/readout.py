@@ -13,15 +13,6 @@ from hdl.visualisation.load_profile import load_profile
 
 
 @block
-def show_word(word, shown):
-    """``shown`` is ``word``. It is an output port, which VHDL cannot read."""
-
-    show = ops.widen(word, shown)
-
-    return show
-
-
-@block
 def draw(clk, rst, results: Stream, words, profile, *, drawing):
     """Draws the profile from the words, beginning in the clock after the last of them came."""
     complete = flag()
@@ -90,7 +81,7 @@ def readout(
         parts += [
             position(clk, rst, results, count, stop=outputs),
             [catch_word(clk, results, count, words[i], slot=i) for i in range(outputs)],
-            [show_word(words[i], held[i]) for i in range(outputs)],
+            [ops.widen(words[i], held[i]) for i in range(outputs)],
         ]
     if spec.argmax is not None:
         parts.append(argmax(clk, rst, results, winner, spec=spec.argmax))

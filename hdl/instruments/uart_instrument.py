@@ -47,19 +47,13 @@ def show_winner(inner, winner):
 @block
 def end_of_frame(results, ends):
     """``ends`` is high when the last output of a frame leaves."""
-
-    find = ops.both(results.valid, results.last, ends)
-
-    return find
+    return ops.both(results.valid, results.last, ends)
 
 
 @block
 def either(first, second, told):
     """``told`` is high when either is."""
-
-    tell = ops.either(first, second, told)
-
-    return tell
+    return ops.either(first, second, told)
 
 
 @block

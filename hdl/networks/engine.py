@@ -93,7 +93,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
         kind.next = word[kind_top:kind_low]
         opens.next = word[opens_top:opens_low]
 
-    places = field(word, place, low=0) if place_width else ()
+    places = ops.bits(word, place_width, 0, place) if place_width else ()
 
     # These registers stand between a block RAM and counters. Words that were on their way when a
     # reset or the last output stopped the program do nothing.
@@ -317,7 +317,8 @@ def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, low
         gather = unsigned(len(added))
         others = (acc[other] for other in added.values())
         joined = {"gather": gather, "other": Words(len(added), lambda: next(others))}
-        fetched = field(word, gather, low=low_bit + min(added))
+        low_end = low_bit + min(added)
+        fetched = ops.bits(word, low_end + len(added), low_end, gather)
     return fetched, lane_accumulate(
         clk,
         word=read,
@@ -330,13 +331,3 @@ def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, low
         spec=design,
         **joined,
     )
-
-
-@block
-def field(word, bits, *, low: int):
-    """``bits`` are those of ``word`` from ``low`` on."""
-    top = low + len(bits)
-
-    cut = ops.bits(word, top, low, bits)
-
-    return cut

@@ -22,16 +22,13 @@ def address_of(word, address, *, table: SmallTable, start: int):
     above, high, low = count - part.top, start + part.high, start + part.low
 
     if part.high == part.low:
-        look = ops.bits(word, count, above, address)
+        return ops.bits(word, count, above, address)
+    if not part.top:
+        return ops.bits(word, high, low, address)
 
-    elif part.top:
-
-        @always_comb
-        def look():
-            address.next = concat(word[count:above], word[high:low])
-
-    else:
-        look = ops.bits(word, high, low, address)
+    @always_comb
+    def look():
+        address.next = concat(word[count:above], word[high:low])
 
     return look
 
