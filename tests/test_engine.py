@@ -52,7 +52,7 @@ from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import hidden_saturations, range_lines, saturating
 from tactus.verify.benches.written import scene_of, write_scene
-from tb.common.case_library import ENGINES, LANES, LAYERED
+from tb.common.case_library import CASE
 from tb.common.cases import random_network
 
 PAGE = Path(__file__).parents[1] / "docs" / "instruction-set.md"
@@ -178,7 +178,7 @@ def test_what_does_not_fit_is_refused() -> None:
 
 def lanes_of(name: str, lanes: int, pipeline: str = "short") -> Engine:
     """A case of the benches of the engine with several multipliers."""
-    case = (ENGINES | LAYERED)[name]
+    case = CASE[name]
     options = {"lanes": lanes, "pipeline": pipeline}
     return Engine.of(case.networks(), Settings(options=options), case.arrangement)
 
@@ -287,7 +287,7 @@ def test_the_listing_of_lanes_names_every_step(capsys) -> None:
 @pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
 def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
     """A step names one function, so the nodes of a group have the same, and it is the one named."""
-    many = scene_of(LANES[name], tmp_path, name).twin()
+    many = scene_of(CASE[name], tmp_path, name).twin()
     program, neurons = many.program, many.graph.neurons
     found = Counter[Function]()
     for step, code in zip(program.scheduled, program.steps, strict=True):
@@ -305,7 +305,7 @@ def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
 
 
 def test_a_scene_with_too_many_weights_is_refused() -> None:
-    wide = replace(LANES["least-lanes"], shapes=[(900, 20, 1)]).networks()
+    wide = replace(CASE["least-lanes"], shapes=[(900, 20, 1)]).networks()
     with pytest.raises(InputError, match="got 8998 weights of each lane, expected 8192 at most"):
         Engine.of(wide, Settings(options={"lanes": 2}))
 

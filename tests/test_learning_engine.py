@@ -21,7 +21,7 @@ from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import taught_of
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import LESSONS
+from tb.common.case_library import CASE
 
 SCENE = replace(load_scene("digit"), learning="lms")
 VECTORS = SCENE.vectors()
@@ -35,7 +35,7 @@ def twin() -> LearningEngine:
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return scene_of(LESSONS["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
+    return scene_of(CASE["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
 
 
 def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:

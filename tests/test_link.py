@@ -33,7 +33,7 @@ from golden.link.uart import UartReceiver, UartTransmitter, bits_of
 from golden.numbers.fixed import Fix
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import PLAIN_UART, UART
+from tb.common.case_library import CASE
 from tb.common.cases import FRONT_END, random_mlp
 
 PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
@@ -149,10 +149,10 @@ def test_a_scene_has_a_line(tmp_path: Path) -> None:
 
 
 def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
-    twin = scene_of(UART, tmp_path, "uart").twin()
+    twin = scene_of(CASE["reload-uart"], tmp_path, "uart").twin()
     reader = replace(twin.converter_reader, pause=0)
     with pytest.raises(InputError, match="uart_instrument: got analogue without a profile"):
-        replace(scene_of(PLAIN_UART, tmp_path, "plain").twin(), analogue=True)
+        replace(scene_of(CASE["plain-uart"], tmp_path, "plain").twin(), analogue=True)
     assert twin.readout.output_clocks[-1] <= reader.scan_clocks - reader.slots
 
 

@@ -260,7 +260,7 @@ def test_the_benches_of_a_board_that_learns_are_green(tmp_path: Path) -> None:
     text = text.replace("clock_mhz = 64.0", 'clock_mhz = 25.0\nlearning = "lms"')
     own = tmp_path / "learns.toml"
     own.write_text(f'{text}\n[front_end]\nconverter = "mcp3208"\n\n[uart]\nbaud = 1_000_000\n')
-    for block in ("readout", "lesson_receiver", "packet_sender", "uart_instrument"):
+    for block in ("readout", "uart_instrument"):
         words = ["sim", f"SCENE={own}", f"BLOCK={block}", "SIM=icarus"]
         said = make(ROOT, "-o", "ready", f"VENV={sys.prefix}", *words)
         assert said.returncode == 0, said.stdout + said.stderr

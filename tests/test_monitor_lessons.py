@@ -35,7 +35,7 @@ from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import LESSONS
+from tb.common.case_library import CASE
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
@@ -48,7 +48,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return scene_of(LESSONS["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
+    return scene_of(CASE["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
 
 
 def lessons_of(scene: Scene) -> TwinLessons:

@@ -345,7 +345,7 @@ QUICK = ("output_controller",)
 # passes the bench.
 PLAYED = ("comparator_bank",)
 OF_EACH_AREA = (
-    *("pade", "lane_memory", "readout", "argmax", "packet_sender", "engine", "frame_window"),
+    *("pade", "readout", "argmax", "engine", "frame_window"),
     "load_profile",
 )
 

@@ -65,7 +65,7 @@ from tactus.train.split import scaled, split_of, split_rows
 from tactus.train.task import task_for
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of, write_scene
-from tb.common.case_library import PAST
+from tb.common.case_library import CASE
 from tb.common.cases import Case, random_mlp
 
 
@@ -572,7 +572,7 @@ def block(window: Window, slots=0, spacing=100) -> FrameWindow:
 
 @pytest.fixture(scope="module")
 def windowed(tmp_path_factory: pytest.TempPathFactory) -> Windowed:
-    return scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
+    return scene_of(CASE["past"], tmp_path_factory.mktemp("past"), "past").twin()
 
 
 def random_frames(count: int, sensors: int) -> np.ndarray:

@@ -30,7 +30,7 @@ from tactus.synth.budget import read_budget, write_budget
 from tactus.synth.sizing import EXTRAS, networks, row_of
 from tactus.synth.timing import read_timing, write_timing
 from tactus.verify.benches.written import write_scene
-from tb.common.case_library import TABLE_GRAPHS
+from tb.common.case_library import CASE
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp
 
 # What an estimate may be off, in per cent, on networks that it was not fitted to.
@@ -189,7 +189,7 @@ def test_prices_change_the_choice(tmp_path: Path) -> None:
 
 def auto_tables(folder: Path, lines: str) -> Scene:
     """A small scene of learned functions whose design is to be chosen."""
-    return auto(folder, lines, *TABLE_GRAPHS["rails-tables"].networks())
+    return auto(folder, lines, *CASE["rails-tables"].networks())
 
 
 def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None:

@@ -375,7 +375,7 @@ def test_a_word_without_its_register_is_found(shared: Shared, tmp_path: Path) ->
 
 
 # A memory that becomes a block RAM, and a block that nextpnr places in a few seconds.
-SMALL, SMALL_ROUTED = "bipartite_pair", "scan_sequencer"
+SMALL, SMALL_ROUTED = "bipartite", "scan_sequencer"
 
 
 # One block for each family. make sim NETLIST= runs all, and its records are compared with the

@@ -19,6 +19,8 @@ from golden.activation.bipartite_table import (
     bipartite_table,
 )
 from golden.activation.scheme import Option, Scheme, require_exact
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, Precision
@@ -26,6 +28,8 @@ from golden.trained.mlp import tanh
 
 # The default of where the tables are stored.
 MEMORY = "block_ram"
+# The nodes of a pair.
+NODES = 2
 
 
 @dataclass(frozen=True)
@@ -179,6 +183,40 @@ def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = M
     return Bipartite(
         precision.hidden_fmt, RESULT, memory, reach_width, variant=f"{memory}{reach_width}"
     )
+
+
+@dataclass(frozen=True)
+class BipartitePair(Block):
+    """Two nodes share one ``Bipartite`` activation, whose tables have a read port for each.
+
+    activation: The activation of both nodes, with "block_ram", because a LUT has no second port.
+    """
+
+    block = "bipartite_pair"
+    part_of = "adder_graph"
+    area = "activation"
+    activation: Bipartite
+
+    def __post_init__(self) -> None:
+        if self.activation.memory != "block_ram":
+            raise InputError(
+                f"{self.entity}: got memory={self.activation.memory!r}, expected block_ram"
+            )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        node = self.activation
+        return (
+            *CLOCKED,
+            input_port("in_valid", "`in_data` holds a code of either node"),
+            *group(input_port("in_data", "q of node *", node.in_fmt, "in_fmt"), NODES),
+            output_port("out_valid", "`out_data` holds a result of either node"),
+            *group(output_port("out_data", "r of node *", node.out_fmt, "out_fmt"), NODES),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.activation.latency
 
 
 SCHEME = Scheme(

@@ -7,32 +7,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import BEFORE_LAST, CHECK_BYTES, LAST_ADDR, WORD_BYTES
-from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)
 class Loading:
     """The outputs of the loader in each clock, and the images that it accepts.
 
-    halt, image_error, write: The ports of these names.
-    write_addr, word: The ports of these names in clocks in which ``write`` is high; 0 in the
-        others.
+    halt, image_error: The ports of these names.
     good: For each image that passes its check: the clock of its last byte, the header's field
         ``before_last`` (samples of a frame minus 2), and the words.
-    before: How many bytes of the image were accepted before this clock.
     """
 
     halt: NDArray[np.bool_]
     image_error: NDArray[np.bool_]
-    write: NDArray[np.bool_]
-    write_addr: Codes
-    word: Codes
     good: list[tuple[int, int, list[int]]]
-    before: Codes
 
 
 @dataclass(frozen=True)
@@ -52,6 +43,7 @@ class ImageLoader(Block):
     """
 
     block = "image_loader"
+    part_of = "engine"
     area = "engine"
     latency = 0
     words: int
@@ -89,13 +81,6 @@ class ImageLoader(Block):
             output_port("image_error", "the last image was not valid"),
         )
 
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (
-            State("bytes before, at most two words", range(2 * WORD_BYTES + 1)),
-            State("last address written", range(self.words - 1, self.words)),
-        )
-
     def process(
         self,
         load_valid: ArrayLike,
@@ -110,20 +95,15 @@ class ImageLoader(Block):
         """
         columns = [np.asarray(c).tolist() for c in (load_valid, load_data, load_last, busy, reset)]
         count = len(columns[0])
-        halt, error, write = (np.zeros(count, dtype=bool) for _ in range(3))
-        write_addr, word, before = (np.zeros(count, dtype=np.int64) for _ in range(3))
+        halt, error = (np.zeros(count, dtype=bool) for _ in range(2))
         good = []
         received, whole, failed = bytearray(), False, False
         for t, (valid, data, last, waits, clears) in enumerate(zip(*columns, strict=True)):
-            error[t], before[t] = failed, len(received)
+            error[t] = failed
             accepted = valid and not waits
             halt[t] = accepted or not whole
             if accepted:
                 received.append(data)
-                place = self._place(received)
-                if place is not None:
-                    write[t], write_addr[t] = True, place
-                    word[t] = self._word(received, len(received) - WORD_BYTES)
                 whole = False
                 if last:
                     found = self.judge(bytes(received))
@@ -134,7 +114,7 @@ class ImageLoader(Block):
             if clears:
                 received.clear()
                 whole = failed = False
-        return Loading(halt, error, write, write_addr, word, good, before)
+        return Loading(halt, error, good)
 
     def judge(self, received: bytes) -> tuple[int, list[int]] | None:
         """The header's ``before_last`` and the words of an image; None if the image is not good.
@@ -145,7 +125,7 @@ class ImageLoader(Block):
             return None
         header = self._word(received, 0)
         words = self._length(header)
-        whole = self._fits(words) and len(received) == (1 + words) * WORD_BYTES + CHECK_BYTES
+        whole = words <= self.words and len(received) == (1 + words) * WORD_BYTES + CHECK_BYTES
         if not whole or crc_hqx(received, self.check_start):
             return None
         before_last = (header >> BEFORE_LAST[0]) % (1 << self.operand_addr_width)
@@ -156,18 +136,6 @@ class ImageLoader(Block):
     def _length(header: int) -> int:
         low, bits = LAST_ADDR
         return (header >> low) % (1 << bits) + 1
-
-    def _fits(self, words: int) -> bool:
-        return words <= self.words
-
-    def _place(self, received: bytearray) -> int | None:
-        """The address of the word that the last byte completes; None if it completes none."""
-        number, rest = divmod(len(received), WORD_BYTES)
-        if rest or number < 2:
-            return None
-        words = self._length(self._word(received, 0))
-        place = words + 1 - number
-        return place if self._fits(words) and place >= 0 else None
 
     @staticmethod
     def _word(received: bytes | bytearray, start: int) -> int:

@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
-from golden.engine.formats import HIDDEN, WIDTH, WORD
-from golden.engine.graph import Kind
+from golden.engine.formats import WIDTH, WORD
 from golden.numbers.fixed import Codes
 
 
@@ -39,6 +37,7 @@ class LaneMemory(Block):
     """
 
     block = "lane_memory"
+    part_of = "engine"
     area = "engine"
     latency = 1
     weights: tuple[int, ...]
@@ -135,57 +134,6 @@ class LaneMemory(Block):
             *(puts if self.written else ()),
             output_port("coeff", "weight or word of the table, one clock later", Unsigned(WIDTH)),
         )
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        if not self.table:
-            return ()
-        found = [Border("negative", "word", 0)]
-        for n in range(1, self.segments):
-            found.append(Border(f"segment {n} above", "word", n << self.segment_width))
-            found.append(Border(f"segment {n} below", "word", -(n << self.segment_width)))
-        return tuple(found)
-
-    def address(self, place: ArrayLike, word: ArrayLike = 0, kind: ArrayLike = 0) -> Codes:
-        """The address that is read."""
-        places = np.asarray(place, dtype=np.int64)
-        if not self.table:
-            return places
-        words, kinds = HIDDEN.check(word, f"{self.entity} word"), np.asarray(kind)
-        segment = np.where(words < 0, ~words, words) >> self.segment_width
-        segment &= self.segments - 1
-        if self.blocks > 1:
-            segment |= block_of(places, words < 0) << self.segment_bits
-        slope = np.where(kinds == Kind.DISTANCE, len(self.table) // 2, 0)
-        looks = (kinds == Kind.INTERCEPT) | (kinds == Kind.DISTANCE)
-        return np.where(looks, slope + segment, places + (1 << self.half_width))
-
-    def process(self, place: ArrayLike, word: ArrayLike = 0, kind: ArrayLike = 0) -> Codes:
-        """The word that is read for each place, word and kind."""
-        return np.array(self.contents, dtype=np.int64)[self.address(place, word, kind)]
-
-    def process_written(
-        self,
-        place: ArrayLike,
-        word: ArrayLike,
-        kind: ArrayLike,
-        write: ArrayLike,
-        write_addr: ArrayLike,
-        data: ArrayLike,
-    ) -> Codes:
-        """The word that is there behind each clock, of a memory that is written meanwhile.
-
-        It is -1 before any is read.
-        """
-        memory = np.array(self.contents, dtype=np.int64)
-        read = self.address(place, word, kind)
-        columns = [np.asarray(c).tolist() for c in (read, write, write_addr, data)]
-        found: list[int] = []
-        for source, writes, to, given in zip(*columns, strict=True):
-            found.append((found or [-1])[-1] if writes else memory[source])
-            if writes:
-                memory[to] = given
-        return np.array(found, dtype=np.int64)
 
 
 def block_of(name: ArrayLike, negative: ArrayLike) -> Codes:

@@ -1,15 +1,10 @@
-"""program_memory: holds the words of a program, and the counter that reads them."""
+"""Memories for the words of a program, fixed or writable, with the counter that reads them."""
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.engine.formats import WORD_WIDTH
-from golden.numbers.fixed import Codes
 
 # The ports that control the counter.
 COUNTER_PORTS = (
@@ -30,6 +25,7 @@ class ProgramMemory(Block):
     """
 
     block = "program_memory"
+    part_of = "engine"
     area = "engine"
     words: tuple[int, ...]
     notes: tuple[str, ...]
@@ -60,36 +56,43 @@ class ProgramMemory(Block):
     def latency(self) -> int:
         return 1 + self.registers
 
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (State("counter", range(len(self.contents))),)
 
-    def process(
-        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
-    ) -> Codes:
-        """The word at the counter in each clock, starting in a clock in which the counter rests."""
-        return np.array(self.contents, dtype=np.int64)[self.counter(start, run, finish, reset)]
+@dataclass(frozen=True)
+class ProgramRam(Block):
+    """Words of 36 bits that can be written, and of which a counter reads one in each clock.
 
-    def counter(
-        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
-    ) -> Codes:
-        """The counter in each clock, starting in a clock in which it rests."""
-        return counters(len(self.contents), start, run, finish, reset)
+    registers: Number of registers behind the memory.
 
-
-def counters(
-    words: int, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
-) -> Codes:
-    """The counter in each clock, starting in a clock in which it rests at 0.
-
-    After the last word of the memory follows the first.
+    A write uses the counter's port, so nothing is read in its clock. A word that was not written
+    since the last reset is undefined; this does no harm, since an image is loaded after each reset.
     """
-    counter, found = 0, []
-    columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
-    for starts, runs, ends, resets in zip(*columns, strict=True):
-        found.append(counter)
-        counter = (counter + 1) % words if (starts or runs) and not (resets or ends) else 0
-    return np.array(found, dtype=np.int64)
+
+    block = "program_ram"
+    part_of = "engine"
+    area = "engine"
+    addr_width: int
+    registers: int = 0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        word = Unsigned(WORD_WIDTH)
+        return (
+            *COUNTER_PORTS,
+            input_port("write", "`data` is written, and nothing is read"),
+            input_port(
+                "write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"
+            ),
+            input_port("data", "a word of an image", word),
+            output_port(
+                "word",
+                f"the word at the counter, {later(self.latency)}; unchanged by a write",
+                word,
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
 
 
 def later(clocks: int) -> str:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from golden.numbers.fixed import Codes
@@ -21,15 +20,11 @@ class Loaded:
     """The outputs in each clock, and what the block holds.
 
     load_data: 0 in a clock without ``load_valid``, as ``load_last`` is too.
-    place: The state in which a byte of this clock would be read, from 0 to ``PLACES`` - 1.
-    stored: The number of bytes that are stored.
     """
 
     load_valid: NDArray[np.bool_]
     load_data: Codes
     load_last: NDArray[np.bool_]
-    place: Codes
-    stored: Codes
 
 
 @dataclass(frozen=True)
@@ -46,6 +41,7 @@ class ImageReceiver(Block):
     """
 
     block = "image_receiver"
+    part_of = "uart_instrument"
     area = "link"
     data_flags = frozenset({"load_last"})
     # Clocks from a byte of an image to the same byte at the output, if none waits.
@@ -66,13 +62,6 @@ class ImageReceiver(Block):
         output_port("load_last", "the byte is the last of the image"),
     )
 
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (
-            State("place in a packet where the line falls idle", range(PLACES)),
-            State("bytes kept", range(self.depth + 1)),
-        )
-
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, load_ready: ArrayLike, reset: ArrayLike
     ) -> Loaded:
@@ -80,11 +69,10 @@ class ImageReceiver(Block):
         columns = [np.asarray(c).tolist() for c in (in_valid, in_data, load_ready, reset)]
         count = len(columns[0])
         valid, last = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-        data, places, stored = (np.zeros(count, dtype=np.int64) for _ in range(3))
+        data = np.zeros(count, dtype=np.int64)
         place = length = idle = 0
         kept: deque[tuple[int, bool]] = deque()
         for t, (comes, byte, ready, clears) in enumerate(zip(*columns, strict=True)):
-            places[t], stored[t] = place, len(kept)
             if kept:
                 valid[t] = True
                 data[t], last[t] = kept[0]
@@ -105,7 +93,7 @@ class ImageReceiver(Block):
                 place, length = self._header(place, length, byte)
             elif over:
                 place = 0
-        return Loaded(valid, data, last, places, stored)
+        return Loaded(valid, data, last)
 
     @staticmethod
     def _header(place: int, length: int, byte: int) -> tuple[int, int]:

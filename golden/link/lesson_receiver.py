@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.link.packets import CHECK_BYTES, CODE_BYTES, LESSON, SYNC, check_of, kind_byte
 from golden.numbers.fixed import Codes
@@ -25,7 +24,6 @@ class Taught:
     target_data: 0 in a clock without ``target_valid``, as the two flags are too.
     place: The number of the byte of a packet that is next, in each clock.
     armed: Whether codes wait for the end of a frame.
-    gone: How many of the codes that leave have left before each clock.
     """
 
     target_valid: NDArray[np.bool_]
@@ -36,7 +34,6 @@ class Taught:
     lesson_error: NDArray[np.bool_]
     place: Codes
     armed: NDArray[np.bool_]
-    gone: Codes
 
 
 @dataclass(frozen=True)
@@ -54,6 +51,7 @@ class LessonReceiver(Block):
     """
 
     block = "lesson_receiver"
+    part_of = "uart_instrument"
     area = "link"
     data_flags = frozenset({"target_last"})
     # Clocks from the end of a frame to the first known output.
@@ -94,13 +92,6 @@ class LessonReceiver(Block):
         output_port("lesson_error", "high for one clock for each packet that is wrong or is cut"),
     )
 
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (
-            State("byte of a packet where the line falls idle", range(self.packet_bytes)),
-            State("codes that have left when a byte comes", range(self.codes)),
-        )
-
     def process(
         self,
         in_valid: ArrayLike,
@@ -115,14 +106,12 @@ class LessonReceiver(Block):
         ]
         count = len(columns[0])
         flags = np.zeros((6, count), dtype=bool)
-        data, places, gone = np.zeros((3, count), dtype=np.int64)
+        data, places = np.zeros((2, count), dtype=np.int64)
         state = _State(self)
         for t, (comes, byte, ends, ready, clears) in enumerate(zip(*columns, strict=True)):
             places[t] = len(state.packet)
             if state.leaving:
                 data[t] = state.leaving[0]
-                whole = self.elements if state.theta else self.outputs
-                gone[t] = whole - len(state.leaving)
             flags[:, t] = (
                 bool(state.leaving),
                 len(state.leaving) == 1,
@@ -135,7 +124,7 @@ class LessonReceiver(Block):
             if clears:
                 state = _State(self)
         valid, last, theta, learn, wrong, armed = flags
-        return Taught(valid, data, last, theta, learn, wrong, places, armed, gone)
+        return Taught(valid, data, last, theta, learn, wrong, places, armed)
 
 
 class _State:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
@@ -58,6 +57,7 @@ class PacketSender(Block):
     """
 
     block = "packet_sender"
+    part_of = "uart_instrument"
     area = "link"
     # Clocks from what completes a frame, its last output or its winner, to the first byte.
     latency = 2
@@ -129,16 +129,6 @@ class PacketSender(Block):
             input_port("out_ready", "a byte is taken in this clock"),
             output_port("out_valid", "`out_data` holds a byte, until it is taken"),
             output_port("out_data", "the byte", Unsigned(8)),
-        )
-
-    @property
-    def states(self) -> tuple[State, ...]:
-        size = self.layout.packet_bytes
-        return (
-            State("byte of a packet that a reset cuts", range(size)),
-            *([State("point", range(self.points))] if self.points else []),
-            *([State("index", range(self.outputs))] if self.decides else []),
-            *([State("element of theta", range(self.elements))] if self.learns else []),
         )
 
     @property

@@ -7,8 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.activation.bipartite import MEMORY, Bipartite
-from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
+from golden.activation.bipartite import MEMORY, NODES, Bipartite, BipartitePair
 from golden.activation.bipartite_table import RESULT
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Step, Wire
@@ -155,7 +154,9 @@ class AdderGraph(AtOnce):
     def shared(self, layer: int, nodes: tuple[int, ...]) -> Bipartite | BipartitePair:
         """The block that computes the activation of the given nodes of a hidden layer."""
         activation = self.activations[layer][nodes[0]]
-        return pair_for(activation) if len(nodes) == NODES else activation
+        if len(nodes) == NODES:
+            return BipartitePair(activation, variant=activation.variant)
+        return activation
 
     def tables(self, layer: int) -> tuple[Bipartite | BipartitePair, ...]:
         """The blocks that compute the activations of a hidden layer."""

@@ -23,8 +23,7 @@ from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import LanePipeline
-from golden.engine.program_memory import ProgramMemory
-from golden.engine.program_ram import ProgramRam
+from golden.engine.program_memory import ProgramMemory, ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.input_error import InputError

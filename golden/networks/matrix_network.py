@@ -10,8 +10,7 @@ from functools import reduce
 from operator import or_
 from typing import Any
 
-from golden.activation.bipartite import Bipartite, bipartite_for
-from golden.activation.bipartite_pair import NODES
+from golden.activation.bipartite import NODES, Bipartite, bipartite_for
 from golden.activation.bipartite_table import RESULT as TANH_RESULT
 from golden.engine.formats import OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding

@@ -2,7 +2,7 @@
 
 from myhdl import block
 
-from golden.activation.bipartite_pair import NODES, BipartitePair
+from golden.activation.bipartite import NODES, BipartitePair
 from hdl.activation.bipartite import memories, node
 from hdl.common.delay import delay
 from hdl.common.signals import Stream

@@ -2,7 +2,7 @@
 
 from myhdl import always, block
 
-from golden.activation.bipartite_pair import NODES
+from golden.activation.bipartite import NODES
 from golden.activation.bipartite_table import RESULT
 from golden.networks.adder_graph import AdderGraph
 from golden.numbers.precision import SIGNAL

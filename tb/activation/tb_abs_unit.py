@@ -3,13 +3,13 @@
 import cocotb
 
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.recorded_frames import check_recorded
 from tb.common.stimulus import all_codes
 from tb.common.stream import check_gaps_and_resets, check_stream
 from tb.common.watch import pipeline
 
-CASES = PARTS
+CASES = cases("rails")
 
 
 @cocotb.test()

@@ -8,12 +8,12 @@ import numpy as np
 
 from golden.activation.gradient import Gradient
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.recorded_frames import check_recorded
 from tb.common.stream import check_gaps_and_resets, check_stream
 from tb.common.watch import pipeline
 
-CASES = PARTS
+CASES = cases("rails")
 
 STEPS = 100
 

@@ -8,11 +8,11 @@ import cocotb
 
 from tb.common import activation
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.recorded_frames import check_recorded
 from tb.common.watch import pipeline
 
-CASES = PARTS
+CASES = cases("rails")
 
 
 @cocotb.test()

@@ -4,12 +4,10 @@ import cocotb
 
 from tb.common import activation
 from tb.common.bench import Bench
-from tb.common.case_library import both_precisions, rails
+from tb.common.case_library import cases
 from tb.common.watch import pipeline
 
-CASES = rails("gradient_parallel") | {
-    "gradient_parallel-thesis": both_precisions("gradient_parallel")["gradient_parallel-thesis"]
-}
+CASES = cases("rails-gradient_parallel", "gradient_parallel-thesis")
 
 
 @cocotb.test()

@@ -3,12 +3,12 @@
 import cocotb
 
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.memory import check_memory
 from tb.common.recorded_frames import recorded_inputs
 from tb.common.watch import read_only
 
-CASES = PARTS
+CASES = cases("rails")
 
 
 @cocotb.test()

@@ -4,15 +4,10 @@ import cocotb
 
 from tb.common import activation
 from tb.common.bench import Bench
-from tb.common.case_library import both_precisions, rails
-from tb.common.cases import Case
+from tb.common.case_library import cases
 from tb.common.watch import pipeline
 
-CASES = {
-    **rails("lut"),
-    "lut-thesis": both_precisions("lut")["lut-thesis"],
-    "lut-short": Case([(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
-}
+CASES = cases("rails-lut", "lut-thesis", "lut-short")
 
 
 @cocotb.test()

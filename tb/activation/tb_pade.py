@@ -8,13 +8,13 @@ import numpy as np
 
 from tb.common.activation import codes
 from tb.common.bench import Bench
-from tb.common.case_library import both_precisions, rails
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import spread
 from tb.common.stream import check_gaps_and_resets, check_in_parts
 from tb.common.watch import ago
 
-CASES = rails("pade") | {"pade-thesis": both_precisions("pade")["pade-thesis"]}
+CASES = cases("rails-pade", "pade-thesis")
 
 
 @cocotb.test()

@@ -8,15 +8,10 @@ import numpy as np
 
 from tb.common import activation
 from tb.common.bench import Bench
-from tb.common.case_library import both_precisions, rails
-from tb.common.cases import Case
+from tb.common.case_library import cases
 from tb.common.watch import pipeline
 
-CASES = {
-    **rails("polynomial"),
-    "polynomial-thesis": both_precisions("polynomial")["polynomial-thesis"],
-    "polynomial-short": Case([(2, 1, 2)], "exact", spread=2.0, activation="polynomial"),
-}
+CASES = cases("rails-polynomial", "polynomial-thesis", "polynomial-short")
 
 # The closest of 57344 magnitudes lie within a two-thousandth of the last bit of a border.
 CLOSEST = 32

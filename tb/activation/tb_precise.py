@@ -4,10 +4,10 @@ import cocotb
 
 from tb.common import activation
 from tb.common.bench import Bench
-from tb.common.case_library import PRECISE, rails
+from tb.common.case_library import cases
 from tb.common.watch import pipeline
 
-CASES = rails("precise") | PRECISE
+CASES = cases("rails-precise", "precise")
 
 
 @cocotb.test()

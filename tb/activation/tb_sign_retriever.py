@@ -4,12 +4,12 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.recorded_frames import check_recorded
 from tb.common.stream import check_gaps_and_resets, check_stream
 from tb.common.watch import pipeline
 
-CASES = PARTS
+CASES = cases("rails")
 
 
 def operands(bench):

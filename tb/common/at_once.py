@@ -71,12 +71,8 @@ async def recorded(bench):
     codes = bench.given.codes
     recording, entered = await check(bench, codes, gap=0.0)
     assert len(entered) == len(codes), "a recorded frame was refused"
-    bench.facts = {
-        "frames": len(codes),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(recording.rows("out_valid")[0] - entered[0] + 1),
-        "interval": int(np.diff(entered).min()) if len(entered) > 1 else 1,
-    }
+    final = recording.rows("out_valid")[0]
+    bench.measured(recording, len(codes), entered[0], final, entered)
     await check(bench, codes, gap=0.3)
     bench.finish(at_least=len(codes))
 

@@ -266,6 +266,18 @@ class Bench:
         self.compare("out_data", recording.signed("out_data", left), codes, **context)
         self.compare("clocks of out_last", recording.rows("out_last"), rows[last])
 
+    def measured(self, recording: Recording, frames: int, first: int, final: int, ended):
+        """Keep what so many frames take: the rows of the first one's begin and end, and all ends.
+
+        A single frame has the interval of the twin.
+        """
+        self.facts = {
+            "frames": frames,
+            "seconds": recording.seconds,
+            "clocks_per_frame": int(final - first + 1),
+            "interval": int(np.diff(ended).min()) if len(ended) > 1 else self.twin.interval,
+        }
+
     def finish(self, at_least: int = 1):
         """Fail if fewer results were compared than promised, and hand the count to the runner."""
         entity = self.configuration["entity"]

@@ -26,6 +26,13 @@ def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.nd
     return np.array(last, dtype=np.int64)
 
 
+def whole(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The elements and ``last`` flags of good frames."""
+    last = np.zeros(frames.shape, dtype=np.int64)
+    last[:, -1] = 1
+    return frames.ravel(), last.ravel()
+
+
 def scan(
     controller: InputController, recording: Recording, last: str = "in_last"
 ) -> tuple[np.ndarray, FrameScan]:

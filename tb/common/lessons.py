@@ -125,12 +125,7 @@ class Player:
             entered = rows[(inputs["in_valid"] & inputs["in_last"]) == 1]
             assert len(entered) == frames, "a frame was refused"
             first, final = entered[0] - self.twin.inputs + 1, recording.rows("out_last")[0]
-            bench.facts = {
-                "frames": frames,
-                "seconds": recording.seconds,
-                "clocks_per_frame": int(final - first + 1),
-                "interval": int(np.diff(entered).min()),
-            }
+            bench.measured(recording, frames, first, final, entered)
         for name in met:
             assert timeline.met[name], f"{name}: none, expected some; {dict(timeline.met)}"
         assert len(left) >= at_least, f"got {len(left)} outputs, expected {at_least}"

@@ -12,7 +12,7 @@ from golden.networks.oracle import designs_in, hidden_weights
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.framing import random_lengths, scan, yielding
+from tb.common.framing import random_lengths, scan, whole, yielding
 from tb.common.loading import after_loading, untaught
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
@@ -79,10 +79,7 @@ def whole_frames(bench, frames):
     """The elements and ``last`` flags of a stream of good frames."""
     slots = bench.twin.input_controller.inputs - frames.shape[1]
     filling = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (len(frames), slots))
-    elements = np.concatenate([frames, filling], axis=1)
-    last = np.zeros(elements.shape, dtype=np.int64)
-    last[:, -1] = 1
-    return elements.ravel(), last.ravel()
+    return whole(np.concatenate([frames, filling], axis=1))
 
 
 def pauses(bench, last, closest=False):
@@ -151,12 +148,7 @@ async def recorded(dut):
     assert len(entered) == len(codes), "a recorded frame was refused"
     first = entered[past] - bench.twin.input_controller.inputs + 1
     final = recording.rows("out_last")[0]
-    bench.facts = {
-        "frames": len(codes),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(final - first + 1),
-        "interval": int(np.diff(entered).min()),
-    }
+    bench.measured(recording, len(codes), first, final, entered)
     most = affordable(bench, MOST_RECORDED_WITH_GAPS)
     some = most * bench.twin.input_controller.inputs
     await check(bench, elements[:some], last[:some], gap=0.3, pause=pause[:some])

@@ -85,14 +85,6 @@ def resets_before(rng: np.random.Generator, length: int, every: int, tail: int) 
     return column
 
 
-def random_runs(
-    rng: np.random.Generator, length: int, longest: int, every: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Runs of up to ``longest`` clocks, and clocks of ``finish``, one in ``every``."""
-    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, longest + 1, length))[:length]
-    return run, rng.random(length) < 1 / every
-
-
 def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
     """Frames of rails, of alternating rails, of zeros, and of one sensor at a rail."""
     low, high = fmt.low, fmt.high

@@ -1,28 +1,29 @@
 """Proved properties of uart_instrument: how its parts work together, for any line and converter.
 
-The first properties are of an engine that takes images, and the second ones of an engine that
-learns. The others are those of converter_instrument, in a case without such an engine and without a
-profile. At the end stand those of the line's receiver and transmitter, and of
-the pulse density.
+The first properties are of an engine that takes images. Without a line that is heard they are those
+of converter_instrument. At the end stand those of the line's receiver and transmitter, and of the
+pulse density.
 """
 
 from golden.link.uart import BYTE_BITS
 from tb.common.properties import Property
 from tb.common.watch import busy_of, since
 from tb.instruments import tb_converter_instrument
+from tb.link.image_proof import image_receiver
+from tb.link.lesson_proof import lesson_receiver
+from tb.link.packet_proof import packet_sender
 
 PROVED = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
-LESSONS = "u_lesson_receiver_0"
 
 
 def properties(twin):
     if twin.learns:
-        return [lessons(), rests(twin)]
+        return [rests(twin)]
     if not twin.reload:
         return tb_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(twin, engine), room(twin, engine), what_packets_tell(twin), rests(twin)]
+    return [no_half_image(twin, engine), room(twin, engine), rests(twin)]
 
 
 def no_half_image(twin, engine):
@@ -95,96 +96,6 @@ def room(twin, engine):
             (r"accept \|\| \(!whole\)", "!whole"),
         ),
         clocks=10,
-    )
-
-
-def what_packets_tell(twin):
-    # The largest output comes behind the last one.
-    ends = f"{SENDER}.winner_valid" if twin.packet_sender.decides else "out_valid && out_last"
-    streams = ("sample_valid valid", "sample_data data", "sample_last last")
-    streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
-    streams += ("frame_error broken", "image_error unsound", "line_error wrong")
-    streams += ("converter_error converter_error",)
-    drawn: tuple[str, ...] = ()
-    if twin.packet_sender.points:
-        streams += ("profile_valid profile_valid", "profile_x profile_x")
-        streams += ("profile_y profile_y", "profile_last profile_last")
-        drawn = ("drawn_valid", "drawn_x", "drawn_y", "drawn_last")
-    return Property(
-        name="what packets tell",
-        sentence="Packets report the frames that the network is given, the outputs that leave, the "
-        "points that are drawn, and the errors of converter, frames, images and line. They count "
-        "the frames that leave, from a reset on.",
-        states=(
-            *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
-            f"{SENDER}.count == frames",
-        ),
-        watch=f"""
-            reg [15:0] frames = 0;
-            always @(posedge clk) frames <= rst ? 0 : frames + ({ends});
-        """,
-        free=(
-            *("valid", "data", "last", "result_valid", "result", "result_last"),
-            *("broken", "unsound", "wrong", "missing"),
-            *drawn,
-        ),
-        reached=("frames == 1",),
-        refuted_by=(
-            (r"(?s)(packet_sender u_.*?\.frame_error)\(\w+\)", r"\1(1'b0)"),
-            (r"(?s)(packet_sender u_.*?\.image_error)\(\w+\)", r"\1(1'b0)"),
-            (r"(?s)(packet_sender u_.*?\.line_error)\(\w+\)", r"\1(1'b0)"),
-            (r"\.sample_last\(last\)", ".sample_last(valid)"),
-            (r"\.result_last\(result_last\)", ".result_last(result_valid)"),
-            (r"assign out_last = result_last", "assign out_last = 1"),
-        ),
-        clocks=6,
-    )
-
-
-def lessons():
-    engine = "u_readout_0.u_learning_engine_0"
-    streams = ("lesson_error lost", "learn_error refused", "learning learn", "line_error wrong")
-    return Property(
-        name="lessons",
-        sentence="Known outputs and theta begin to leave only in the clock after the last output "
-        "of a frame, and the engine is given just these. It learns while the last right lesson "
-        "says so, and packets report that, the theta that it tells, the steps that it refuses, and "
-        "the lessons, known outputs and bytes that are refused.",
-        states=(
-            *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
-            f"lost == ({LESSONS}.lesson_error || {engine}.target_error)",
-            f"{engine}.learn == {LESSONS}.mode",
-            f"{engine}.target_valid == target_valid && {engine}.target_data == target_data",
-            f"{engine}.target_last == target_last && {LESSONS}.target_ready == target_ready",
-            f"{engine}.target_theta == target_theta && {LESSONS}.putting == target_theta",
-            f"{SENDER}.theta_valid == {engine}.theta_valid",
-            f"{SENDER}.theta_data == {engine}.theta_data",
-            "!target_valid || leaving || ended",
-        ),
-        watch="""
-            reg leaving = 0, ended = 0;
-            always @(posedge clk) begin
-                leaving <= !rst && target_valid;
-                ended <= !rst && out_valid && out_last;
-            end
-        """,
-        free=(
-            *("valid", "data", "last", "result_valid", "result", "result_last", "missing"),
-            *("wrong", "heard_valid", "heard", "target_ready", "target_error", "refused"),
-            *(f"{LESSONS}.armed", f"{LESSONS}.putting"),
-        ),
-        reached=("ended && target_valid",),
-        refuted_by=(
-            (r"(?s)(packet_sender u_.*?\.lesson_error)\(\w+\)", r"\1(1'b0)"),
-            (r"(?s)(packet_sender u_.*?\.learn_error)\(\w+\)", r"\1(1'b0)"),
-            (r"(?s)(packet_sender u_.*?\.learning)\(\w+\)", r"\1(1'b1)"),
-            (r"(?s)(readout u_.*?\.learn)\(learn\)", r"\1(1'b1)"),
-            (r"(?s)(readout u_.*?\.target_theta)\(target_theta\)", r"\1(1'b0)"),
-            (r"(?s)(packet_sender u_.*?\.theta_valid)\(theta_valid\)", r"\1(1'b1)"),
-            (r"misread \|\| target_error", "misread"),
-            (r"frame_end = \(result_valid && result_last\)", "frame_end = result_last"),
-        ),
-        clocks=8,
     )
 
 
@@ -418,6 +329,9 @@ def pulse_density(twin):
 
 
 OF_PARTS = {
+    "image_receiver": image_receiver,
+    "lesson_receiver": lesson_receiver,
+    "packet_sender": packet_sender,
     "uart_receiver": uart_receiver,
     "uart_transmitter": uart_transmitter,
     "pulse_density": pulse_density,

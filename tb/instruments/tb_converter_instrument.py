@@ -4,14 +4,12 @@ The converter answers recorded and random voltages, with wrong transfers and res
 shows its presence is a matter of tb_converter_reader, frames of wrong lengths one of tb_readout.
 """
 
-from dataclasses import replace
-
 import cocotb
 import numpy as np
 
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import CONVERTERS
+from tb.common.case_library import cases
 from tb.common.network import check_outputs, recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
@@ -20,10 +18,7 @@ from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
 from tb.sensing.tb_converter_reader import turns, verdict_clock
 
-DECIDES = "clock_mhz = 4.0\nargmax = true"
-CASES = CONVERTERS | {
-    "winner-converter": replace(CONVERTERS["converter"], hardware=DECIDES, seed=12)
-}
+CASES = cases("converters", "winner-converter")
 
 CLOCKS = 1_500
 WATCH = [*PINS, "converter_error", "out_valid", "out_data", "out_last"]
@@ -80,14 +75,9 @@ async def recorded(dut):
     recording, seen = await check(bench, frames, column_for(bench, len(frames)))
     # The clocks at the end may hold another scan.
     bench.compare("frames", seen[: len(frames)], frames)
-    bench.facts = {
-        "frames": len(frames),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(
-            recording.rows("out_last")[0] - RESET_CLOCKS - past * bench.twin.interval + 1
-        ),
-        "interval": int(np.diff(recording.rows("out_last")).min()),
-    }
+    first = RESET_CLOCKS + past * bench.twin.interval
+    ends = recording.rows("out_last")
+    bench.measured(recording, len(frames), first, ends[0], ends)
     bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
 
 

@@ -4,21 +4,18 @@ Codes are those of recorded frames, of the highest and the deepest profile, and 
 resets. Frames of wrong lengths, which the sequencer does not make, are a matter of tb_readout.
 """
 
-from dataclasses import replace
-
 import cocotb
 import numpy as np
 
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
-from tb.common.case_library import INSTRUMENTS
+from tb.common.case_library import cases
 from tb.common.network import check_outputs, recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
 from tb.common.watch import sent
 
-LEAST = INSTRUMENTS["least-instrument"]
-CASES = INSTRUMENTS | {"winner-instrument": replace(LEAST, hardware="argmax = true", seed=14)}
+CASES = cases("drawn", "instruments", "winner-instrument")
 
 CLOCKS = 10_000
 WATCH = ["address", "out_valid", "out_data", "out_last"]
@@ -87,14 +84,9 @@ async def recorded(dut):
     recording, seen = await check(bench, codes_of(bench, frames))
     # The clocks at the end may hold another scan.
     bench.compare("frames", seen[: len(frames)], frames)
-    bench.facts = {
-        "frames": len(frames),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(
-            recording.rows("out_last")[0] - RESET_CLOCKS - past * bench.twin.interval + 1
-        ),
-        "interval": int(np.diff(recording.rows("out_last")).min()),
-    }
+    first = RESET_CLOCKS + past * bench.twin.interval
+    ends = recording.rows("out_last")
+    bench.measured(recording, len(frames), first, ends[0], ends)
     bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
 
 

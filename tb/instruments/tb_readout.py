@@ -11,15 +11,14 @@ import numpy as np
 from golden.numbers.precision import SIGNAL
 from tb.common import network, readout
 from tb.common.bench import Bench, test_of
-from tb.common.case_library import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
+from tb.common.case_library import cases
 from tb.common.lessons import Player, refusals, traffic
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
 from tb.common.network import WATCH, random_elements, recorded_frames, whole_frames
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 
-LOADED = {name: UART_INSTRUMENTS[name] for name in ("reload-uart", "learn-uart")}
-CASES = OTHER_PROFILES | LOADED | READ_WINNERS
+CASES = cases("profiles", "reload-uart", "learn-uart", "winner", "read-winners")
 # It has the ports of the largest output too.
 ALSO = ("winner",)
 

@@ -20,7 +20,7 @@ from golden.link.uart import BYTE_BITS, UartReceiver, bits_of
 from golden.trained.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
-from tb.common.case_library import UART_INSTRUMENTS
+from tb.common.case_library import cases
 from tb.common.framing import yielding
 from tb.common.images import longest_image
 from tb.common.network import recorded_frames
@@ -28,10 +28,7 @@ from tb.common.profile import check_profile
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error
 
-DECIDES = "clock_mhz = 4.0\nargmax = true"
-CASES = UART_INSTRUMENTS | {
-    "winner-uart": replace(UART_INSTRUMENTS["plain-uart"], hardware=DECIDES, seed=12)
-}
+CASES = cases("uarts", "winner-uart")
 
 # How many scans are played with traffic on the line, and after an image.
 SCANS = 12
@@ -424,12 +421,8 @@ async def recorded(dut):
     first = runs[0][1][twin.past]
     last_bit = played.ends[first] + RESET_CLOCKS - twin.burst
     started = played.timeline.starts[played.timeline.starts < last_bit][-1]
-    bench.facts = {
-        "frames": len(runs[0][1]),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(recording.rows("out_last")[0] - started + 1),
-        "interval": int(np.diff(recording.rows("out_last")).min()),
-    }
+    ends = recording.rows("out_last")
+    bench.measured(recording, len(runs[0][1]), started, ends[0], ends)
     bench.finish(at_least=(SCANS - 1) * twin.outputs)
 
 

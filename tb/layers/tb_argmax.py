@@ -8,11 +8,11 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import WINNERS
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 
-CASES = WINNERS
+CASES = cases("winners")
 
 FRAMES = 400
 

@@ -4,14 +4,14 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import FOLDED
+from tb.common.case_library import cases
 from tb.common.framing import random_lengths, scan
 from tb.common.properties import Property
 from tb.common.recorded_frames import recorded_frames
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import ago, frames
 
-CASES = {name: FOLDED[name] for name in ("rails", "least", "wide")}
+CASES = cases("rails", "least", "wide")
 # A case in which the least distance of frames is more than their length.
 PROVED = ("drawn",)
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from golden.common.border import State
 from tb.common.bench import Bench
-from tb.common.case_library import PARTS
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.recorded_frames import recorded_frames
 from tb.common.stimulus import LONG_IDLE, random_resets
 
-CASES = PARTS
+CASES = cases("rails")
 
 RECORDED = 1000
 

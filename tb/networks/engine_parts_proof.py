@@ -1,9 +1,13 @@
-"""The properties of the parts of engine, for every word that comes."""
+"""The properties of the parts of engine, for every word that comes.
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD
+z3 gives no answer within minutes about the words of ``program_ram``, and of a ``lane_memory`` that
+is written. The bench of ``engine`` and the proof for every frame judge these.
+"""
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.engine.graph import Kind
 from tb.common.properties import Property
-from tb.common.watch import pipe
+from tb.common.watch import past, pipe, table
 
 
 def operand_memory(twin):
@@ -49,6 +53,129 @@ def operand_memory(twin):
             whole=True,
         )
     ]
+
+
+def program_memory(twin):
+    """The properties of the part, which say all that it does."""
+    width, words, late = twin.addr_width, len(twin.contents), twin.latency
+    sentence = f"Each of the {words} addresses gives the twin's word. The counter's word comes "
+    sentence += f"{late} clock{'s' * (late > 1)} later."
+    return [
+        counted(twin, words),
+        Property(
+            name="words",
+            sentence=sentence,
+            states=(f"!there[{late - 1}] || word == contents(here_{late - 1})",),
+            watch=f"wire [{width}:0] here = counter;"
+            + pipe("here", late, width + 1, also=False)
+            + past(late)
+            + table("contents", twin.contents, WORD_WIDTH),
+            free=("counter",),
+            reached=(f"there[{late - 1}] && here_{late - 1} == {words - 1}",),
+            refuted_by=((r"(memory\[0\] <= \S+);", r"\1 ^ 1;"),),
+            clocks=late + 2,
+            induction=late + 1,
+            whole=True,
+        ),
+    ]
+
+
+def program_ram(twin):
+    return [counted(twin, 1 << twin.addr_width)]
+
+
+def counted(twin, words):
+    """The properties of the counter that steps through a program."""
+    return Property(
+        name="counter",
+        sentence="The counter stands at 0, the program's first word, after a reset, "
+        "after finish, and after a clock with neither start nor run. Otherwise it steps to the "
+        "next word.",
+        states=("counter == expected",),
+        watch=f"""
+            reg [31:0] expected;
+            always @(posedge clk) expected <= rst || finish || !(start || run) ? 0
+                : (expected + 1) % {words};
+        """,
+        helps=(f"expected < {words}",),
+        reached=("expected == 3",),
+        refuted_by=(
+            (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (!(start || run))"),
+            (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (finish || (!run))"),
+            (r"rst == 1", "0"),
+            (r"counter \+ 1", "counter + 2"),
+        ),
+        clocks=6,
+    )
+
+
+def lane_memory(twin):
+    """Its properties: all that it does, and of a memory that is written the address alone."""
+    width, segments, half = twin.addr_width, twin.segments, 1 << twin.half_width
+    here, looked, piece = "place", "", ""
+    if twin.table:
+        piece = f"""
+            wire signed [31:0] whole = $signed(word);
+            wire [31:0] piece = (whole < 0 ? -32'sd1 - whole : whole) / {1 << twin.segment_width};
+        """
+        where = f"piece % {segments}"
+        looked = (
+            " With kind 1 and 2 it is the intercept and the slope of the word's segment, counted "
+            "from 0 up and from -1 down."
+        )
+        if twin.blocks > 1:
+            piece += f"""
+                wire [31:0] named = (place % {2 * twin.blocks}) / 2;
+                wire [31:0] block = named % 2 == 0 && place % 2 == 1 && whole < 0
+                    ? named + 1 : named;
+            """
+            where = f"block * {segments} + {where}"
+            looked += (
+                " Half the place names the block, and an odd place the next one for a word below 0."
+            )
+        slopes = segments * twin.blocks
+        here = f"kind == 1 ? {where} : kind == 2 ? {slopes} + {where} : {half} + place"
+        faults = (
+            (r"if \(word\[17\]\)", "if (word[16])"),
+            (r"looked = \{kind\[1\]", "looked = {kind[0]"),
+            (r"looks = .*;", "looks = (kind == 1);"),
+        )
+        if twin.blocks > 1:
+            faults += ((r"chosen = .*;", "chosen = place[1];"),)
+    else:
+        faults = ((r"address = place", "address = 0"),)
+    if twin.written:
+        return [written(f"{piece} wire [{width}:0] here = {here};", looked, faults)]
+    return [
+        Property(
+            name="coefficient",
+            sentence="One clock later the coefficient is the weight at the place, as in the twin."
+            + looked,
+            states=("!there[0] || coeff == contents(here_0)",),
+            watch=f"{piece} wire [{width}:0] here = {here};"
+            + pipe("here", 1, width + 1)
+            + table("contents", twin.contents, WIDTH),
+            reached=("there[0] && here_0 == 1",),
+            refuted_by=((r"(memory\[1\] <= \S+);", r"\1 ^ 1;"), *faults),
+            clocks=3,
+            induction=2,
+            whole=True,
+        )
+    ]
+
+
+def written(here, looked, faults):
+    """The address of a memory that is written; what is read there is left to the bench."""
+    return Property(
+        name="address",
+        sentence="The word that is read is the one at the place." + looked,
+        states=("address == here",),
+        watch=here,
+        reached=("here == 1",),
+        refuted_by=faults,
+        clocks=3,
+        induction=2,
+    )
 
 
 def lane_accumulate(twin):

@@ -6,14 +6,15 @@ and with one reset at each clock of a frame's way. Outputs and winner are compar
 
 import cocotb
 
+from tb.activation.tb_bipartite import LATE
 from tb.common import at_once
 from tb.common.bench import Bench
-from tb.common.case_library import ADDER_GRAPHS
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.watch import ago, pipeline
 from tb.layers.constant_matrix_proof import constant_matrix
 
-CASES = ADDER_GRAPHS
+CASES = cases("adder-graphs")
 # A network without tables, with ReLUs and halves that go to the even code, that finds its largest
 # output; sums of three operands.
 PROVED = ("exact-graph", "operands-graph")
@@ -37,23 +38,6 @@ async def resets_among_frames(dut):
 @cocotb.test()
 async def reset_at_every_clock(dut):
     await at_once.reset_at_every_clock(Bench(dut))
-
-
-def all_at_once(twin):
-    """The property that all tables of a layer answer together."""
-    flags, states = 0, []
-    for groups in twin.groups:
-        states += [f"r_valid_{flags + n} == r_valid_{flags}" for n in range(1, len(groups))]
-        flags += len(groups)
-    return Property(
-        name="all nodes at once",
-        sentence="The flags of all tables of activations are the same.",
-        states=tuple(states),
-        reached=("r_valid_0",),
-        refuted_by=((r"(?s)(u_bipartite_pair_1 \(.*?\.in_valid\()q_valid", r"\1in_valid"),),
-        clocks=twin.latency + 2,
-        induction=twin.latency,
-    )
 
 
 def winner(twin):
@@ -98,7 +82,6 @@ def properties(twin):
         )
     return [
         pipeline(twin, broken),
-        *([all_at_once(twin)] if tabled else []),
         *([winner(twin)] if twin.argmax else []),
         every_frame_is_right(twin),
     ]
@@ -159,4 +142,12 @@ def argmax_tree(twin):
     ]
 
 
-OF_PARTS = {"argmax_tree": argmax_tree, "constant_matrix": constant_matrix}
+def bipartite_pair(twin):
+    return [pipeline(twin, LATE)]
+
+
+OF_PARTS = {
+    "argmax_tree": argmax_tree,
+    "bipartite_pair": bipartite_pair,
+    "constant_matrix": constant_matrix,
+}

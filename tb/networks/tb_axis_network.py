@@ -4,8 +4,6 @@ Frames of all lengths come as fast as it takes them, with pauses on either side,
 blocked, with resets, and from the source to the sink of cocotbext-axi. Every transfer is compared.
 """
 
-from dataclasses import replace
-
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
@@ -14,36 +12,16 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 
 from golden.networks.axis_network import TDATA
 from golden.numbers.precision import SIGNAL
-from golden.trained.window import Window
 from tb.common.bench import Bench
-from tb.common.case_library import CASCADES, SLOW, SLOWER
-from tb.common.cases import Case
-from tb.common.framing import random_lengths
+from tb.common.case_library import cases
+from tb.common.framing import random_lengths, whole
 from tb.common.handshake import check_kept, exchange, transfers
 from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import corner_frames, random_resets
 from tb.common.watch import ago, frames
 
-AXIS = Case([(2, 3, 5)], "exact", interface="axi_stream")
-CASES = {
-    "axis-chain": replace(CASCADES["chain"], interface="axi_stream"),
-    "axis": AXIS,
-    "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
-    "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
-    "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
-    "axis-engine": replace(AXIS, shapes=[(2, 3, 3)], design="engine", activation="precise"),
-    "axis-past": replace(
-        AXIS,
-        shapes=[(4, 2, 2)],
-        design="engine",
-        activation="precise",
-        window=Window(((0, 1, 3), (0,))),
-    ),
-    # Frames that follow each other closely.
-    "winner-axis": replace(AXIS, hardware="argmax = true", spread=4.0),
-    "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
-}
+CASES = cases("axis")
 # The largest output has memories of its own.
 ALSO = ("winner-axis",)
 # Cases with a least distance of frames, without slots and with them.
@@ -99,13 +77,6 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
     if not resets:
         assert len(entered) == len(data), f"{len(entered)} of {len(data)} elements were taken"
     return recording, entered, left
-
-
-def whole(frames):
-    """The elements and ``last`` flags of good frames."""
-    last = np.zeros(frames.shape, dtype=np.int64)
-    last[:, -1] = 1
-    return frames.ravel(), last.ravel()
 
 
 def random_data(bench, count):
@@ -275,47 +246,6 @@ def properties(twin):
         "== fifo0_read_addr + fifo0_stored",
     )
     items = [
-        Property(
-            name="valid holds",
-            sentence="Once m_axis_tvalid is high it stays so, and m_axis_tdata and m_axis_tlast "
-            "stay as they are, until m_axis_tready is high too.",
-            states=(
-                "!waited || (m_axis_tvalid && m_axis_tdata == was_data "
-                "&& m_axis_tlast == was_last)",
-            ),
-            watch="""
-                reg waited = 0;
-                reg signed [15:0] was_data;
-                reg was_last;
-                always @(posedge clk) begin
-                    waited <= !rst && m_axis_tvalid && !m_axis_tready;
-                    was_data <= m_axis_tdata;
-                    was_last <= m_axis_tlast;
-                end
-            """,
-            free=cut,
-            reached=("waited", "m_axis_tvalid && m_axis_tready"),
-            refuted_by=(
-                (r"\(m_axis_tready \|\| \(!fifo0_full\)\)", "1"),
-                (r"\(fifo0_full && \(!m_axis_tready\)\)", "0"),
-                (r"if \(fetch\) begin\s+closing", "if (1) begin closing"),
-            ),
-        ),
-        Property(
-            name="frames under way",
-            sentence=f"At most {under_way} frames are under way, from the last sample of each "
-            "until its last output is fetched.",
-            states=(f"credit0_used <= {under_way}",),
-            assumes=leaving,
-            free=("left",),
-            reached=("full",),
-            refuted_by=(
-                (r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
-                (r"credit0_used \+ 1", "credit0_used - 1"),
-            ),
-            # This admits one frame more than there is room for.
-            clocks=under_way * twin.interval + 4,
-        ),
         Property(
             name="ready",
             sentence="Once s_axis_tready is high it stays so until a sample is taken.",

@@ -1,9 +1,9 @@
 """cascade, networks one after the other, against its twin: the tests of tb/common/network.py."""
 
 from tb.common import network, watch
-from tb.common.case_library import CASCADES
+from tb.common.case_library import cases
 
-CASES = CASCADES
+CASES = cases("cascades")
 
 # These tests are those of every network with a stream.
 corners_and_random = network.corners_and_random

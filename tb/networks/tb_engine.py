@@ -6,7 +6,6 @@ among them, and with resets. The twin executes the words of the program, or thos
 """
 
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,38 +15,34 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
 from tb.common import network
 from tb.common.bench import Bench, test_of
-from tb.common.case_library import (
-    ENGINES,
-    LANES,
-    LAYERED,
-    LEARNED,
-    RELOADED,
-    RELOADED_LANES,
-    TABLES,
-)
+from tb.common.case_library import cases
 from tb.common.cases import random_mlp
-from tb.common.framing import random_lengths
+from tb.common.framing import random_lengths, whole
 from tb.common.images import fitting_checks, images_with_room
 from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.images import networks_of_other_functions as other_functions
 from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
-from tb.common.watch import busy_of, frames_computed, table
+from tb.common.watch import busy_of, frames_computed
 from tb.engine.frame_proof import frame_check, frame_guard
-from tb.networks.engine_parts_proof import lane_accumulate, lane_round, operand_memory
+from tb.engine.image_proof import image_loader
+from tb.networks import engine_parts_proof as parts
 
-CASES = ENGINES | LANES | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
+CASES = cases(
+    *("engines", "lanes", "layered", "tables", "learned", "reloaded", "reloaded-lanes"),
+)
 # The first case and this one have one lane, with one memory for all; here is a layer of ReLU and
 # one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
 # add is in lane_round alone, whose properties are proved of these.
 ALSO = ("steep-engine", "rails-lanes", "relu-lanes")
 # The first case has a layer of tanh on one lane. Then come several layers with ReLU; tanh on three
-# lanes, and ReLU on eight without a table; quantised networks, and registers behind the memories;
-# and programs that are loaded, into one lane and into several.
+# lanes, and ReLU on eight without a table; tables of several functions and of a single one;
+# quantised networks, and registers behind the memories; and programs that are loaded, into one lane
+# and into several.
 PROVED = (
-    *("steep-engine", "rails-lanes", "relu-lanes", "exact-lanes", "floor-lanes", "deep-engine"),
-    *("rails-reload", "rails-lanes-reload"),
+    *("steep-engine", "rails-lanes", "relu-lanes", "tables-lanes", "bell-lanes", "exact-lanes"),
+    *("floor-lanes", "deep-engine", "rails-reload", "rails-lanes-reload"),
 )
 # How many intervals of frames are left behind the last image at least.
 BEHIND = 20
@@ -68,9 +63,7 @@ def frames_of(bench, frames, after):
     pause = np.zeros((count, inputs), dtype=np.int64)
     pause[:, 0] = bench.twin.interval - inputs
     pause[0, 0] = after
-    last = np.zeros((count, inputs), dtype=np.int64)
-    last[:, -1] = 1
-    items = {"in_data": frames.ravel(), "in_last": last.ravel()}
+    items = dict(zip(("in_data", "in_last"), whole(frames), strict=True))
     tail = bench.twin.output_clocks[-1] + 5
     return spread(bench.rng, items, "in_valid", 0.0, tail, pause.ravel())
 
@@ -124,19 +117,24 @@ async def images_one_after_the_other(dut):
     bench.finish(at_least=bench.frames)
 
 
-async def load_and_play(bench, hardware, image, count, what):
-    """Load an image, and check that random frames behind it are those of its network."""
-    bench.twin = hardware.running(image)
-    codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, image.inputs))
-    drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
-    recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
-    counts = check_loading(bench, recording)
-    assert counts == [count], f"{what}: got {counts} frames"
+async def load_each(dut, networks, count):
+    """Load networks one after the other, and compare so many random frames behind each."""
+    bench = Bench(dut)
+    hardware = bench.twin
+    images = images_with_room(hardware, networks(bench))
+    for number, image in enumerate(images):
+        bench.twin = hardware.running(image)
+        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, image.inputs))
+        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
+        counts = check_loading(bench, recording)
+        assert counts == [count], f"network {number}: got {counts} frames"
+    bench.finish(at_least=count * len(images))
 
 
-def samples_of_every_bit(hardware):
+def samples_of_every_bit(bench):
     """Two networks; each bit of the number of samples is 1 in one and 0 in the other."""
-    sizes = hardware.loaded.sizes
+    sizes = bench.twin.loaded.sizes
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
     twos = every_other, sizes.operand_words - 1 - every_other
     return [random_mlp((less_two + 2, 2, 1), 1.0, seed=less_two) for less_two in twos]
@@ -144,36 +142,19 @@ def samples_of_every_bit(hardware):
 
 @test_of(loaded)
 async def other_numbers_of_samples(dut):
-    """Load two images; each bit of the number of samples is 1 in one and 0 in the other."""
-    bench = Bench(dut)
-    hardware = bench.twin
-    images = images_with_room(hardware, samples_of_every_bit(hardware))
-    for image in images:
-        await load_and_play(bench, hardware, image, 8, f"{image.inputs} samples")
-    bench.finish(at_least=8 * len(images))
+    await load_each(dut, samples_of_every_bit, 8)
 
 
 @test_of(lambda twin: loaded(twin) and twin.rectifies)
 async def networks_of_other_depth(dut):
-    """Load networks with one to four hidden layers one after the other, also some without ReLU."""
-    bench = Bench(dut)
-    hardware = bench.twin
-    network, *_ = bench.given.networks
-    images = images_with_room(hardware, other_depths(layers_of(network)[0].quantiser))
-    for number, image in enumerate(images):
-        await load_and_play(bench, hardware, image, 20, f"network {number}")
-    bench.finish(at_least=20 * len(images))
+    """Load networks with one to four hidden layers, also some without ReLU."""
+    await load_each(dut, lambda b: other_depths(layers_of(b.given.networks[0])[0].quantiser), 20)
 
 
 @test_of(lambda twin: loaded(twin) and twin.loaded.sizes.table_blocks)
 async def networks_of_other_functions(dut):
-    """Load networks one after the other, each with tables of its own."""
-    bench = Bench(dut)
-    hardware = bench.twin
-    images = images_with_room(hardware, other_functions())
-    for number, image in enumerate(images):
-        await load_and_play(bench, hardware, image, 20, f"network {number}")
-    bench.finish(at_least=20 * len(images))
+    """Load networks each with tables of its own."""
+    await load_each(dut, lambda _: other_functions(), 20)
 
 
 @test_of(loaded)
@@ -238,12 +219,13 @@ async def resets_while_loading(dut):
 def properties(twin):
     """Of an engine that takes images whatever these hold; otherwise with the program as it is.
 
-    They do not cover what the data paths compute. A program has no branches, so its clocks are the
-    same for every frame.
+    They do not cover what the data paths compute, nor that each operand is there when a step reads
+    it: the proof for every frame shows both. A program has no branches, so its clocks are the same
+    for every frame.
     """
     if twin.loaded:
         return [*no_half_image(twin), placed(twin)]
-    return built_in(twin, stepped(twin))
+    return built_in(twin)
 
 
 def no_half_image(twin):
@@ -271,40 +253,46 @@ def no_half_image(twin):
     ]
 
 
-def built_in(twin, steps, place="samples"):
-    """The properties of an engine with a known program, of which every clock is known too.
-
-    ``steps`` says how the program is read, and ``place`` is a name that the hardware does not have.
-    """
+def built_in(twin):
+    """The properties of an engine with a known program, of which every clock is known too."""
     program, inputs = twin.program, twin.inputs
-    begins = program.pipeline.run
-    stores = [program.clock(n) for n in program.store_steps]
-    # For each clock after the last sample: the operands that the memory holds by then.
-    written = [
-        inputs - (clock < 2) + sum(stored < clock for stored in stores)
-        for clock in range(twin.busy + 2)
-    ]
-    outputs = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
-    watch = frames_computed(inputs, twin.busy, place) + steps.watch
-    watch += """
-        reg [15:0] operands = 0;
-        always @(posedge clk) if (write) operands <= write_addr == 0 ? 1 : write_addr + 1;
-        wire [15:0] held = held_at(since);
-        wire [15:0] held_next = held_at(since + 1);
-    """
-    watch += table("held_at", written, 16)
-    helps = (
-        f"run == (since >= {begins}) && finish == (since == {twin.busy})",
-        *(("start == (since == 1)", "u_frame_check_0.waiting == start") if begins > 1 else ()),
-        f"since <= {twin.busy} && {place} < {inputs} && (since == 0 || {place} == 0)",
-        "u_frame_check_0.dropping == skipping",
-        f"since != 0 || u_frame_check_0.addr == ({place} == 0 ? {(1 << twin.addr_width) - 1} "
-        f": {place} - 1)",
-        *steps.helps,
+    at, late, begin = (
+        program.pipeline,
+        program.pipeline.memory_registers,
+        program.begin * twin.alone,
     )
-    common = {"watch": watch, "helps": helps}
-    # With one input no number of operands is due before the sample is written.
-    begun = "since < 2" if inputs == 1 else "since == 0"
+    outputs = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
+    # A single lane has a memory of its own kind, in which every other word is one of the program.
+    here, place = ("lane_alone0_", 2) if twin.alone else ("u_program_memory_0.", 1)
+
+    def behind(clocks):
+        """The address that is read so many clocks after the counter left the first one."""
+        return f"(since > {clocks} ? {begin - clocks} + since : {begin})"
+
+    # ``fetched_from`` is the address of the word that is there while ``run`` is high.
+    read = f"""
+        reg [15:0] read_from, fetched_from;
+        always @(posedge clk) begin
+            read_from <= {here}counter;
+            fetched_from <= {"read_from" if late else f"{here}counter"};
+        end
+    """
+    helps = [
+        f"run == (since >= {at.run}) && finish == (since == {twin.busy})",
+        *(("start == (since == 1)", "u_frame_check_0.waiting == start") if at.run > 1 else ()),
+        f"since <= {twin.busy} && samples < {inputs} && (since == 0 || samples == 0)",
+        "u_frame_check_0.dropping == skipping",
+        f"since != 0 || u_frame_check_0.addr == (samples == 0 ? {(1 << twin.addr_width) - 1} "
+        ": samples - 1)",
+        f"{here}counter == {behind(at.run - 1)}",
+        f"since < {at.run} || fetched_from == {behind(at.begin)}",
+        f"since < {at.run} || word == {here}memory[{place} * fetched_from]",
+    ]
+    if late:
+        helps += [
+            f"since == 0 || read_from == {behind(at.run)}",
+            f"since == 0 || {here}fetched == {here}memory[{place} * read_from]",
+        ]
     return [
         Property(
             name="outputs of good frames",
@@ -318,6 +306,8 @@ def built_in(twin, steps, place="samples"):
                 f"!out_valid || out_last == (since == {twin.output_clocks[-1]})",
                 "frame_error == told",
             ),
+            watch=frames_computed(inputs, twin.busy, "samples") + read,
+            helps=tuple(helps),
             reached=("since == 2",),
             refuted_by=(
                 (r"out_valid <= leaves", "out_valid <= (leaves || start)"),
@@ -325,105 +315,8 @@ def built_in(twin, steps, place="samples"):
             ),
             clocks=inputs + 9,
             induction=5,
-            **common,
-        ),
-        Property(
-            name="program counter",
-            sentence=steps.sentence,
-            states=(
-                f"!run || (fetched_from >= {steps.begin} "
-                f"&& fetched_from < {steps.begin + len(program.words)})",
-            ),
-            reached=("since == 2",),
-            refuted_by=steps.refuted_by,
-            clocks=inputs + 9,
-            induction=5,
-            **common,
-        ),
-        Property(
-            name="operands are there",
-            sentence="No step reads an operand that has not been written for its frame: a sample, "
-            "or the result of a step before.",
-            states=(f"!run || {begun} || {steps.idle} || source < operands",),
-            reached=("since == 2",),
-            refuted_by=((r"write <= \(accept \|\| store\)", "write <= store"),),
-            clocks=inputs + 9,
-            induction=5,
-            watch=watch,
-            helps=(
-                *helps,
-                "since < 2 || (operands == held && write == (held_next != held))",
-                "since == 0 || u_frame_check_0.addr + 1 == held_next",
-                # A sample is written one clock after it is taken.
-                f"since != 0 || {place} == 0 || write || operands == {place}",
-                f"since != 0 || {place} == 0 || !write || write_addr == {place} - 1",
-                f"since != 0 || {place} < 2 || !write || operands == {place} - 1",
-                f"since != 1 || (write && write_addr == {inputs - 1})",
-                *(() if inputs == 1 else (f"since != 1 || operands == {inputs - 1}",)),
-            ),
-        ),
+        )
     ]
-
-
-@dataclass(frozen=True)
-class Steps:
-    """How a program is read.
-
-    sentence: What the property of the counter says.
-    begin: The first address of the program.
-    watch: ``fetched_from`` is the address of the word that is there while ``run`` is high.
-    idle: Whether the word that is there reads no operand.
-    refuted_by: Broken copies, for the property of the counter.
-    """
-
-    sentence: str
-    begin: int
-    watch: str
-    helps: tuple[str, ...]
-    idle: str
-    refuted_by: tuple[tuple[str, str], ...]
-
-
-def stepped(twin):
-    """The words are read one after the other."""
-    program, late = twin.program, twin.program.pipeline.memory_registers
-    at, begin, words = program.pipeline, program.begin * twin.alone, len(program.words)
-    # A single lane has a memory of its own kind, in which every other word is one of the program.
-    here, place = ("lane_alone0_", 2) if twin.alone else ("u_program_memory_0.", 1)
-    own = "lane_alone0_" * twin.alone
-    # A word that is not the first one of the program.
-    elsewhere = 0 if begin else words - 1
-
-    def behind(clocks):
-        """The address that is read so many clocks after the counter left the first one."""
-        return f"(since > {clocks} ? {begin - clocks} + since : {begin})"
-
-    watch = f"""
-        reg [15:0] read_from, fetched_from;
-        always @(posedge clk) begin
-            read_from <= {here}counter;
-            fetched_from <= {"read_from" if late else f"{here}counter"};
-        end
-    """
-    helps = [
-        f"{here}counter == {behind(at.run - 1)}",
-        f"since < {at.run} || fetched_from == {behind(at.begin)}",
-        f"since < {at.run} || word == {here}memory[{place} * fetched_from]",
-    ]
-    if late:
-        helps += [
-            f"since == 0 || read_from == {behind(at.run)}",
-            f"since == 0 || {here}fetched == {here}memory[{place} * read_from]",
-        ]
-    return Steps(
-        f"While a frame is computed, each step comes from one of the {words} words "
-        "of the program, one after the other. After the last word there is no step.",
-        begin,
-        watch,
-        tuple(helps),
-        f"since < {at.begin} || since >= {at.begin + program.length}",
-        ((rf"(if \({own}stands\) begin\s+{own}counter <=) {begin}", rf"\1 {elsewhere}"),),
-    )
 
 
 def placed(twin):
@@ -469,7 +362,11 @@ def placed(twin):
 OF_PARTS = {
     "frame_check": frame_check,
     "frame_guard": frame_guard,
-    "lane_accumulate": lane_accumulate,
-    "lane_round": lane_round,
-    "operand_memory": operand_memory,
+    "image_loader": image_loader,
+    "lane_accumulate": parts.lane_accumulate,
+    "lane_memory": parts.lane_memory,
+    "lane_round": parts.lane_round,
+    "operand_memory": parts.operand_memory,
+    "program_memory": parts.program_memory,
+    "program_ram": parts.program_ram,
 }

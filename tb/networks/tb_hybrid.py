@@ -1,17 +1,10 @@
 """hybrid, the whole folded network, against its twin: the tests of tb/common/network.py."""
 
 from tb.common import network, watch
-from tb.common.case_library import FOLDED, PRECISE, both_precisions
+from tb.common.case_library import cases
 from tb.common.properties import Property
 
-CASES = {
-    **FOLDED,
-    **PRECISE,
-    **both_precisions("gradient_parallel"),
-    **both_precisions("lut"),
-    **both_precisions("pade"),
-    **both_precisions("polynomial"),
-}
+CASES = cases("folded", "precise", "segments")
 # A case in which the least distance of frames is more than their length.
 PROVED = ("drawn",)
 

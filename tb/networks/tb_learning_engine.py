@@ -10,11 +10,11 @@ import cocotb
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.case_library import LESSONS
+from tb.common.case_library import cases
 from tb.common.lessons import Player, near, refusals, traffic
 from tb.common.network import random_elements, recorded_frames
 
-CASES = LESSONS
+CASES = cases("lessons")
 
 
 @cocotb.test()

@@ -9,12 +9,12 @@ import numpy as np
 from golden.numbers.precision import SIGNAL
 from tb.common import network, watch
 from tb.common.bench import Bench
-from tb.common.case_library import MULTIPLES
+from tb.common.case_library import cases
 from tb.common.network import check, pauses, random_elements, whole_frames
 from tb.common.properties import Property
 from tb.common.watch import ago, frames
 
-CASES = MULTIPLES
+CASES = cases("multiples")
 # A case in which the least distance of frames is more than their length.
 PROVED = ("wide-multiple",)
 

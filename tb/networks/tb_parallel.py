@@ -9,11 +9,11 @@ import cocotb
 from golden.layers.weighted_sum import tree_depth
 from tb.common import at_once
 from tb.common.bench import Bench
-from tb.common.case_library import PARALLEL
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.watch import ago, frames, pipe
 
-CASES = PARALLEL
+CASES = cases("parallel")
 # A case whose activation takes a frame only every few clocks, and one in which products are exact
 # and sums are rounded.
 PROVED = ("pade-parallel", "wide-parallel")

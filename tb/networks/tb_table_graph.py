@@ -10,7 +10,7 @@ import numpy as np
 from golden.numbers.precision import SIGNAL
 from tb.common.at_once import check, random_frames
 from tb.common.bench import Bench
-from tb.common.case_library import TABLE_GRAPHS
+from tb.common.case_library import cases
 from tb.common.stimulus import corner_frames
 from tb.common.watch import pipeline
 from tb.networks.tb_adder_graph import (
@@ -23,7 +23,7 @@ from tb.networks.tb_adder_graph import (
 
 __all__ = ["recorded", "reset_at_every_clock", "resets_among_frames"]
 
-CASES = TABLE_GRAPHS
+CASES = cases("table-graphs")
 # A network that finds its largest output.
 PROVED = ("argmax-tables",)
 

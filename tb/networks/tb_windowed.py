@@ -4,11 +4,11 @@ After each reset the past begins anew.
 """
 
 from tb.common import network
-from tb.common.case_library import WINDOWS
+from tb.common.case_library import cases
 from tb.sensing.window_proof import window
 
 # The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
-CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}
+CASES = cases("past", "chain-past", "few-past")
 # A case with another network, and with slots after the samples.
 PROVED = ("chain-past",)
 

@@ -9,14 +9,14 @@ import numpy as np
 
 from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import CONVERTERS
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets
 from tb.common.watch import ago, results
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
 
-CASES = CONVERTERS
+CASES = cases("converters")
 
 WATCH = [*PINS, "out_valid", "out_data", "out_last", "converter_error"]
 # How many scans a test plays, if they fit into so many clocks.

@@ -8,12 +8,12 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench, test_of
-from tb.common.case_library import WINDOWS
-from tb.common.framing import random_lengths, scan, yielding
+from tb.common.case_library import cases
+from tb.common.framing import random_lengths, scan, whole, yielding
 from tb.common.stimulus import corner_frames, random_resets, spread
 from tb.sensing.window_proof import window
 
-CASES = WINDOWS
+CASES = cases("windows")
 # A case without a least distance of frames, and with slots after the samples.
 PROVED = ("chain-past",)
 
@@ -49,13 +49,6 @@ async def check(bench, data, last, gap=0.0, pause=0, resets=None):
     bench.compare("out_data", got, expected[left], clock=at[:, taps][left])
     bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
     return frames, kept
-
-
-def whole(frames):
-    """The samples and ``last`` flags of good frames."""
-    last = np.zeros(frames.shape, dtype=np.int64)
-    last[:, -1] = 1
-    return frames.ravel(), last.ravel()
 
 
 def random_data(bench, count):

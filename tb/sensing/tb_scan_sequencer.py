@@ -9,11 +9,11 @@ import numpy as np
 
 from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import INSTRUMENTS
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets
 
-CASES = {"past-instrument": INSTRUMENTS["past-instrument"], **INSTRUMENTS}
+CASES = cases("past-instrument", "drawn", "instruments")
 
 # The clocks from the one in which a code is taken to a reset.
 ABOUT = range(-2, 4)

@@ -8,12 +8,12 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import CASCADES
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import pipeline
 
-CASES = {name: CASCADES[name] for name in ("chain", "slow-cascade")}
+CASES = cases("chain", "slow-cascade")
 
 
 async def check(bench, gap, resets):

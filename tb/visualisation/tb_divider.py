@@ -7,13 +7,13 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import OTHER_PROFILES
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.recorded_frames import check_recorded
 from tb.common.stimulus import spread
 from tb.common.stream import check_early, check_gaps_and_resets, check_in_parts
 
-CASES = OTHER_PROFILES
+CASES = cases("profiles")
 
 
 def extremes(bits):

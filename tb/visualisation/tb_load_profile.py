@@ -12,13 +12,13 @@ import numpy as np
 
 from golden.visualisation.load_profile import POWER_FRAC
 from tb.common.bench import Bench
-from tb.common.case_library import OTHER_PROFILES
+from tb.common.case_library import cases
 from tb.common.profile import check_profile
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import read_only
 
-CASES = OTHER_PROFILES
+CASES = cases("profiles")
 # A shipped scene that the runner gives to the bench.
 SCENES = ("digit-single",)
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
-from tb.common.case_library import DRAWN
+from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.recorded_frames import check_recorded
 from tb.common.stream import check_early, check_gaps_and_resets, check_in_parts
 
-CASES = DRAWN
+CASES = cases("drawn")
 
 PARTS = 256
 

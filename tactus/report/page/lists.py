@@ -14,14 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from golden.activation.bipartite import Bipartite
-from golden.activation.bipartite_pair import BipartitePair
+from golden.activation.bipartite import Bipartite, BipartitePair
 from golden.activation.lut import Lut
 from golden.activation.precise import Precise
 from golden.activation.rom import Rom
 from golden.common.block import Block
-from golden.engine.program_memory import ProgramMemory
-from golden.engine.program_ram import ProgramRam
+from golden.engine.program_memory import ProgramMemory, ProgramRam
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.numbers.real import Real

@@ -200,7 +200,7 @@ VALID = {"out_valid": "out_", "m_axis_tvalid": "m_axis_t"}
 MOST_CLOCKS = 16
 # The most bits of registers. Larger blocks would take minutes, and their parts are proved anyway.
 MOST_BITS = 700
-# The most bits that all cells give together. With more, as in the tables of bipartite_pair, Yosys'
+# The most bits that all cells give together. With more, as in the tables of bipartite, Yosys'
 # solver runs out of the memory that WebAssembly has.
 MOST_GATE_BITS = 50_000
 SHOWN = "what_reset_gives_a_value"

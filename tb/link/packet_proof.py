@@ -1,20 +1,17 @@
-"""Proved properties of packet_sender, whatever comes and whenever the line takes a byte."""
+"""The properties of packet_sender, whatever comes and whenever the line takes a byte."""
 
 from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
 from golden.numbers.precision import SIGNAL
 from tb.common.properties import Property
 from tb.common.watch import check_byte
 
-# Packets with the flags of an engine that learns.
-PROVED = ("learn-uart",)
 
-
-def properties(twin):
+def packet_sender(twin):
+    """The properties of the part. They say all that it does where no lessons come."""
     if twin.learns:
         return [lessons_told(), element_by_element(twin)]
     found = [
         follow_each_other(twin),
-        stand(),
         check_behind(twin),
         checked(twin),
         begin(twin),
@@ -67,31 +64,6 @@ def follow_each_other(twin):
             (rf"place == {size - 1}", f"place == {size - 2}"),
         ),
         clocks=size + 4,
-    )
-
-
-def stand():
-    return Property(
-        name="bytes stand",
-        sentence="Once out_valid is high it stays so, and out_data stays as it is, until out_ready "
-        "is high too.",
-        states=("!waits || (out_valid && out_data == was_data)",),
-        watch="""
-            reg waits = 0;
-            reg [7:0] was_data;
-            always @(posedge clk) begin
-                waits <= !rst && out_valid && !out_ready;
-                was_data <= out_data;
-            end
-        """,
-        free=("complete", "waited", "following"),
-        reached=("waits",),
-        refuted_by=(
-            (r"out_ready && sending", "sending"),
-            (r"if \(taken\) begin\s+first", "if (sending) begin first"),
-            (r"out_ready && \(!sending\)", "1"),
-        ),
-        clocks=6,
     )
 
 
@@ -299,6 +271,7 @@ def tell(twin):
             (r"first <= stage0_following", "first <= stage1_following"),
         ),
         clocks=12,
+        whole=True,
     )
 
 
