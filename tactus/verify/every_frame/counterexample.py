@@ -38,8 +38,7 @@ class Evaluated:
             return np.full(self.count, v, dtype=np.int64)
         result = np.full(self.count, v.constant, dtype=np.int64)
         for word, term in v.terms.items():
-            low, high = int(self.word(word).min()), int(self.word(word).max())
-            result += term.at(low, high)[self.word(word) - low]
+            result += term.at(self.word(word))
         return result
 
 

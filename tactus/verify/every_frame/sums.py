@@ -1,9 +1,9 @@
 """What a word of hardware holds, taken over all frames at once: a sum of functions of one word
 each.
 
-A `Sum` is a constant and, for each of some words, a function of that word alone, given by its value
-at every code that the word can take. It is an exact integer for every frame. A word is a sample, or
-the floor of a sum over a power of two that was met on the way. Two rules make new sums of old ones:
+A `Sum` is a constant and, for each of some words, a function of that word alone, given at the codes
+where its slope changes. It is an exact integer for every frame. A word is a sample, or the floor of
+a sum over a power of two that was met on the way. Two rules make new sums of old ones:
 
 - what is linear (sum, difference, product with a constant) works term by term;
 - any function of one word works code by code, and a sum of several words becomes one word first.
@@ -22,9 +22,7 @@ import numpy as np
 # The most codes of a word whose functions are written out code by code.
 LONGEST = 1 << 24
 MOST = 1 << 62
-# A straight line at the end of a function is written as one if it has so many codes.
-LEAST_LINE = 64
-# A word of fewer codes may be written out code by code on a finer grid.
+# A function that rises or falls at fewer codes may be written as a staircase on a finer grid.
 FEW = 1 << 17
 # A slope of a function is rounded to 2^-PARTS or more.
 PARTS = 8
@@ -73,94 +71,107 @@ class Base:
 
 
 class Curve:
-    """A function of one word: values at the codes from `first` on, straight lines of the given
-    slopes outside.
+    """A function of one word: 0 at its lowest code, and straight between codes where it turns.
 
-    It is 0 at the lowest code, and as short as it can be, so that equal functions have equal parts.
+    The codes are those where the slope changes, and both ends, so that equal functions have equal
+    codes and values.
     """
 
-    def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
-        self.word, self.first, self.left, self.right = word, first, left, right
-        self.last = first + len(values) - 1
-        # In as few bits as they need.
-        most = max(-int(values.min()), int(values.max()))
-        self._kept = values.astype(np.min_scalar_type(-1 - most))
-
-    @property
-    def values(self) -> np.ndarray:
-        return self._kept.astype(np.int64)
+    def __init__(self, word: Word, codes: np.ndarray, values: np.ndarray):
+        self.word, self.codes, self.values = word, codes, values
 
     @cached_property
-    def key(self) -> int:
-        return hash(self._kept.tobytes())
+    def _hash(self) -> int:
+        return hash((self.word.number, self.codes.tobytes(), self.values.tobytes()))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (
+            isinstance(other, Curve)
+            and self.word is other.word
+            and np.array_equal(self.codes, other.codes)
+            and np.array_equal(self.values, other.values)
+        )
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """The slope behind each code but the last; a division without a rest."""
+        return np.diff(self.values) // np.diff(self.codes)
 
     @property
-    def line(self) -> bool:
-        """Whether it is one straight line, then of slope `right`."""
-        return len(self._kept) == 1 and self.left == self.right
+    def line(self) -> int:
+        """The slope, if it is one straight line, else 0."""
+        return int(self.slopes[0]) if len(self.codes) == 2 else 0
 
-    def at(self, low: int, high: int) -> np.ndarray:
-        """The values at the codes low to high."""
-        a = min(max(low, self.first), high + 1)
-        b = max(min(high, self.last), a - 1) + 1
-        before, behind = np.arange(low, a) - self.first, np.arange(b, high + 1) - self.last
-        start, end = int(self._kept[0]), int(self._kept[-1])
-        kept = self._kept[a - self.first : b - self.first]
-        return np.concatenate([start + self.left * before, kept, end + self.right * behind])
+    def at(self, codes: np.ndarray) -> np.ndarray:
+        place = np.searchsorted(self.codes[1:-1], codes, side="right")
+        return self.values[place] + self.slopes[place] * (codes - self.codes[place])
+
+    @property
+    def rising(self) -> int:
+        """The number of codes at which it is not what it is one code before."""
+        return int(np.diff(self.codes)[self.slopes != 0].sum())
+
+    def steps(self) -> np.ndarray:
+        """These codes."""
+        sloped = self.slopes != 0
+        return _every(self.codes[:-1][sloped] + 1, np.diff(self.codes)[sloped])
 
     @cached_property
     def ends(self) -> tuple[int, int]:
         """The least and the greatest value."""
-        first, last = int(self._kept[0]), int(self._kept[-1])
-        found = [int(self._kept.min()), int(self._kept.max())]
-        found.append(first - self.left * (self.first - self.word.low))
-        found.append(last + self.right * (self.word.high - self.last))
-        return min(found), max(found)
+        return int(self.values.min()), int(self.values.max())
 
     @cached_property
     def slant(self) -> tuple[int, int, int, int]:
         """A slope and a scale: 2^scale times the function, less a straight line of this slope from
         the lowest code on, is the third to the fourth. The slope is 0 unless it is near a line."""
-        run = self.word.high - self.word.low
+        run, rise = self.word.high - self.word.low, int(self.values[-1])
         if self.line:
-            return self.right, 0, 0, 0
-        if run >= FEW or max(map(abs, self.ends)) << PARTS >= MOST:
+            return self.line, 0, 0, 0
+        if max(run, *map(abs, self.ends)) << PARTS + 2 >= MOST:
             return 0, 0, *self.ends
-        values = self.at(self.word.low, self.word.high)
-        rise = int(values[-1])
         # A sum of floors of one sum rises by parts of a small power of two.
         for scale in range(PARTS + 1):
             slope = round((rise << scale) / run)
             if abs((rise << scale) - slope * run) <= 4 << scale:
                 break
-        rest = (values << scale) - slope * np.arange(run + 1)
+        # Between its codes the difference is straight too, so its ends are at codes.
+        rest = (self.values << scale) - slope * (self.codes - self.word.low)
         least, most = int(rest.min()), int(rest.max())
-        near = most - least << 2 < int(np.ptp(values)) << scale
+        near = most - least << 2 < int(np.ptp(self.values)) << scale
         return (slope, scale, least, most) if near else (0, 0, *self.ends)
 
     def __mul__(self, k: int) -> "Curve":
         if k == 1:
             return self
         _fits(*(end * k for end in self.ends))
-        return Curve(self.word, self.first, self.values * k, self.left * k, self.right * k)
+        return Curve(self.word, self.codes, self.values * k)
 
     def __floordiv__(self, k: int) -> "Curve":
         """The function over a number that divides it."""
-        if k == 1:
-            return self
-        return Curve(self.word, self.first, self.values // k, self.left // k, self.right // k)
+        return self if k == 1 else Curve(self.word, self.codes, self.values // k)
 
     @cached_property
     def content(self) -> int:
         """The greatest number that divides every difference."""
-        return math.gcd(int(np.gcd.reduce(np.diff(self.values))), self.left, self.right)
+        return int(np.gcd.reduce(self.slopes))
 
-    def same(self, other: "Curve") -> bool:
-        return self is other or (
-            self.word is other.word
-            and (self.first, self.left, self.right) == (other.first, other.left, other.right)
-            and np.array_equal(self._kept, other._kept)
-        )
+
+def _in_order(parts: Sequence[Any]) -> np.ndarray:
+    """All these codes, each once."""
+    codes = np.sort(np.concatenate(parts), kind="stable")
+    return codes[np.append(True, codes[1:] != codes[:-1])]
+
+
+def _every(starts: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """So many codes from each start on."""
+    total = int(counts.sum())
+    if total >= LONGEST:
+        raise UnsupportedError(f"a function of a word that takes {total} values")
+    return np.repeat(starts - np.cumsum(counts) + counts, counts) + np.arange(total)
 
 
 def _common(words: Sequence[Word]) -> Word:
@@ -174,16 +185,15 @@ def _common(words: Sequence[Word]) -> Word:
 
 
 def _finer(a: Curve, b: Curve) -> Word | None:
-    """The grid onto which two functions of one sum are put together, if no straight line becomes a
-    staircase."""
+    """The grid onto which two functions of one sum are put together, if no long straight line
+    becomes a staircase."""
     word = _common((a.word, b.word))
-    coarse = [c for c in (a, b) if c.word.shift > word.shift and (c.left or c.right)]
-    short = all(c.word.high - c.word.low < FEW for c in coarse)
-    return word if not coarse or short else None
+    return word if all(c.word.shift == word.shift or c.rising < FEW for c in (a, b)) else None
 
 
 def _straight(word: Word, slope: int) -> Curve:
-    return Curve(word, word.low, np.zeros(1, dtype=np.int64), slope, slope)
+    _fits(slope * (word.high - word.low))
+    return Curve(word, *np.array([[word.low, word.high], [0, slope * (word.high - word.low)]]))
 
 
 def _fits(*numbers: int) -> None:
@@ -192,37 +202,15 @@ def _fits(*numbers: int) -> None:
         raise UnsupportedError("a number of more than 62 bits")
 
 
-def curve(
-    word: Word, first: int, values: np.ndarray, left: int, right: int
-) -> tuple[Curve | None, int]:
-    """The function in its shortest form, or None for a constant, and its value at the lowest
-    code."""
-    _fits(int(values.min()), int(values.max()))
-    if first == word.low and len(values) > 1:
-        left = int(values[1]) - int(values[0])
-    if first + len(values) - 1 == word.high and len(values) > 1:
-        right = int(values[-1]) - int(values[-2])
-    steps = np.diff(values)
-    begin = int(np.append(steps != left, True).argmax())
-    end = int(np.append(steps[::-1] != right, True).argmax())
-    before, behind = first - word.low, word.high - first - len(values) + 1
-    last = len(values) - 1
-    if (begin == last and (left == right or not behind)) or (end == last and not before):
-        # One straight line from end to end.
-        slope = left if begin == last and (begin or before) else right
-        start = int(values[0]) - slope * before
-        _fits(start, slope * (word.high - word.low))
-        return (None if slope == 0 else _straight(word, slope)), start
-    if left and begin + before < LEAST_LINE:
-        values = np.concatenate([int(values[0]) - left * np.arange(before, 0, -1), values])
-        first, begin, left, before = word.low, 0, 0, 0
-    if right and end + behind < LEAST_LINE:
-        values = np.concatenate([values, int(values[-1]) + right * np.arange(1, behind + 1)])
-        end = right = behind = 0
-    first, values = first + begin, values[begin : len(values) - end]
-    _fits(left * (first - word.low), right * (word.high - first))
-    start = int(values[0]) - left * (first - word.low)
-    return _plain(Curve(word, first, values - start, left, right)), start
+def curve(word: Word, codes: np.ndarray, values: np.ndarray) -> tuple[Curve | None, int]:
+    """The function that is straight between these codes, of which the first and the last are the
+    ends of the word, or None for a constant; and its value at the lowest code."""
+    start, least, most = int(values[0]), int(values.min()), int(values.max())
+    _fits(least, most, most - least)
+    slopes = np.diff(values) // np.diff(codes)
+    kept = np.concatenate([[True], slopes[1:] != slopes[:-1], [True]])
+    codes, values = codes[kept], values[kept] - start
+    return (_plain(Curve(word, codes, values)) if values.any() else None), start
 
 
 def _step(base: Base, place: int, height: int) -> Curve:
@@ -235,20 +223,24 @@ def _step(base: Base, place: int, height: int) -> Curve:
 def _plain(c: Curve) -> Curve:
     """A staircase over the floors of a sum on the coarsest grid that has its steps, which is its
     one form."""
-    word, steps = c.word, np.flatnonzero(np.diff(c.values)) + 1
-    if word.base is None or c.left or c.right or not len(steps):
+    word, sloped = c.word, c.slopes != 0
+    if word.base is None or (np.diff(c.codes)[sloped] > 1).any():
         return c
+    steps = c.codes[1:][sloped]
     apart = int(np.bitwise_or.reduce(steps - steps[0]))
-    place = (c.first + int(steps[0]) << word.shift) - word.offset
+    place = (int(steps[0]) << word.shift) - word.offset
     if not apart:
         return _step(word.base, place, int(c.values[-1]))
-    shift = word.shift + _twos(apart)
-    if shift == word.shift:
+    k = _twos(apart)
+    if k == 0:
         return c
-    coarse = word.base.word(-place % (1 << shift), shift)
-    first = place + coarse.offset >> shift
-    kept = c.values[steps[0] :: 1 << shift - word.shift]
-    return curve(coarse, first - 1, np.append(c.values[:1], kept), 0, 0)[0] or c
+    coarse = word.base.word(-place % (1 << word.shift + k), word.shift + k)
+    first = place + coarse.offset >> coarse.shift
+    # The codes of the coarse grid, and before each step the code in front of it.
+    at = first + (steps - steps[0] >> k)
+    codes = _in_order([[coarse.low, coarse.high], at - 1, at])
+    finer = np.clip(steps[0] + (codes - first << k), word.low, word.high)
+    return curve(coarse, codes, c.at(finer))[0] or c
 
 
 class Sum:
@@ -321,8 +313,7 @@ class Sum:
             # Two functions of one sum become one, so that equal functions have equal terms.
             del terms[beside.word]
             both = Function(word, 0, [term, beside])
-            low, high, left, right = both.span()
-            made, start = curve(word, low, both.at(low, high), left, right)
+            made, start = curve(word, both.codes, both.at(both.codes))
             constant += start
             if made:
                 waiting.append(made)
@@ -370,37 +361,25 @@ class Function:
         ]
         _fits(abs(constant) + sum(max(map(abs, t.ends)) for t, _, _ in self.parts))
 
-    def span(self) -> tuple[int, int, int, int]:
-        """Codes low to high outside of which it is a straight line, and the slopes there."""
-        low, high, left, right = self.word.high, self.word.low, 0, 0
+    @cached_property
+    def codes(self) -> np.ndarray:
+        """Both ends, and codes between which it is straight."""
+        found = [np.array([self.word.low, self.word.high])]
         for t, k, s in self.parts:
-            # On a finer grid a line is a staircase, from end to end of its word.
-            first = t.word.low if k and t.left else t.first
-            last = t.word.high if k and t.right else t.last
-            low, high = min(low, (first + 1 << k) - 1 - s), max(high, (last << k) - s)
-            if not k:
-                left, right = left + t.left, right + t.right
-        return max(low - 1, self.word.low), min(high + 1, self.word.high), left, right
+            # On a finer grid it is a staircase.
+            found += [t.codes] if k == 0 else [(t.steps() << k) - s, (t.steps() << k) - s - 1]
+        return _in_order(found)
 
-    def changes(self) -> tuple[int, int]:
-        """Codes outside of which it is constant."""
-        low, high, left, right = self.span()
-        return self.word.low if left else low, self.word.high if right else high
-
-    def at(self, low: int, high: int) -> np.ndarray:
-        if high - low >= LONGEST:
-            raise UnsupportedError(f"a function of a word that takes {high - low} values")
-        result = np.full(high - low + 1, self.constant, dtype=np.int64)
+    def at(self, codes: np.ndarray) -> np.ndarray:
+        result = np.full(len(codes), self.constant, dtype=np.int64)
         for term, k, shift in self.parts:
-            a, b = low + shift >> k, high + shift >> k
-            values = np.repeat(term.at(a, b), 1 << k) if k else term.at(a, b)
-            result += values[low + shift - (a << k) :][: high - low + 1]
+            result += term.at(codes + shift >> k)
         return result
 
 
-def _drawn(word: Word, first: int, values: np.ndarray, left: int, right: int) -> Value:
+def _drawn(word: Word, codes: np.ndarray, values: np.ndarray) -> Value:
     """The function as `curve` takes it."""
-    made, start = curve(word, first, values, left, right)
+    made, start = curve(word, codes, values)
     return Sum(start, {made.word: made}) if made else start
 
 
@@ -417,11 +396,11 @@ class Space:
     """All words of one proof."""
 
     def __init__(self) -> None:
-        self.bases: dict[Any, list[Base]] = {}
+        self.bases: dict[tuple[Curve, ...], Base] = {}
 
     def sample(self, name: str, low: int, high: int) -> Value:
         word = Word(next(_numbers), name, low, high)
-        return Sum(low, {word: Curve(word, low, np.zeros(1, dtype=np.int64), 1, 1)})
+        return Sum(low, {word: _straight(word, 1)})
 
     def cut(self, first: Value, rest: Value) -> None:
         """Note that floors of first + rest are cut first, as far as powers of two divide rest.
@@ -446,20 +425,14 @@ class Space:
         """The base of a sum of several words, with its power of two and its sign: v = constant +
         sign * 2^e * base."""
         e = _twos(v.content)
-        first = v.terms[min(v.terms, key=lambda w: w.number)]
-        step = first.left or int(np.diff(first.values[:2]).sum()) or first.right
-        sign = 1 if step > 0 else -1
-        ordered = sorted(v.terms.items(), key=lambda t: t[0].number)
-        terms = {word: term // (sign << e) for word, term in ordered}
-        key = tuple((w.number, c.first, c.left, c.right, c.key) for w, c in terms.items())
-        found = self.bases.setdefault(key, [])
-        for base in found:
-            # The key only finds candidates: the arrays decide.
-            pairs = zip(terms.values(), base.total.terms.values(), strict=True)
-            if all(c.same(o) for c, o in pairs):
-                return base, e, sign
-        base = Base(Sum(0, terms))
-        found.append(base)
+        ordered = sorted(v.terms.values(), key=lambda c: c.word.number)
+        first = ordered[0].values
+        sign = 1 if (first[1] or first[2]) > 0 else -1
+        terms = tuple(c // (sign << e) for c in ordered)
+        # Equal sums have one base: their arrays are compared.
+        if terms not in self.bases:
+            self.bases[terms] = Base(Sum(0, {c.word: c for c in terms}))
+        base = self.bases[terms]
         return base, e, sign
 
     def floor(self, v: Value, k: int) -> Value:
@@ -479,11 +452,11 @@ class Space:
             base, e, sign = self._base(v)
             return self._floored(base, sign, v.constant >> e, k - e)
         ((word, term), *others) = v.terms.items()
-        j = _twos(term.right)
-        if others or not (term.line and word.base and abs(term.right) == 1 << j):
+        if others or not word.base or abs(term.line).bit_count() != 1:
             return self.of(lambda a: a >> k, v)
-        constant = v.constant - term.right * word.low >> j
-        return self._below(word, 1 if term.right > 0 else -1, constant, k - j)
+        j = _twos(term.line)
+        constant = v.constant - term.line * word.low >> j
+        return self._below(word, 1 if term.line > 0 else -1, constant, k - j)
 
     def _below(self, word: Word, sign: int, constant: int, k: int) -> Value:
         """floor((constant + sign * word) / 2^k), for a word that is itself a floor."""
@@ -510,9 +483,7 @@ class Space:
                 if e == 0 and other.coarse is None and other is not base:
                     other.coarse = turned * (start - form.constant), turned * sign, word
             return form
-        line = _straight(word, sign)
-        if word.high - word.low == 1:
-            line = _step(base, (word.high << k) - word.offset, sign)
+        line = _plain(_straight(word, sign))
         return Sum(start + sign * word.low, {line.word: line})
 
     def _parts(self, v: Value) -> tuple[int, list[Curve]]:
@@ -552,10 +523,13 @@ class Space:
         if len(numbers) == len(values):
             return int(f(*numbers))
         given = self._together(*values)
-        lows, highs = zip(*(g.changes() for g in given), strict=True)
-        low, high = min(lows), max(highs)
-        codes = f(*(g.at(low, high) for g in given))
-        return _drawn(given[0].word, low, np.asarray(codes, dtype=np.int64), 0, 0)
+        codes = _in_order([g.codes for g in given])
+        # Where all of them are constant, so is f of them.
+        moves = np.any([np.diff(g.at(codes)) != 0 for g in given], axis=0)
+        inner = _every(codes[:-1], np.where(moves, np.diff(codes), 1))
+        codes = np.append(inner, codes[-1])
+        found = f(*(g.at(codes) for g in given))
+        return _drawn(given[0].word, codes, np.asarray(found, dtype=np.int64))
 
     def _together(self, *values: Value) -> list[Function]:
         """The values as functions of one and the same word."""
@@ -575,7 +549,7 @@ class Space:
         return -self.floor(v, max(-low - 1, high).bit_length())
 
     def choose(self, c: Value, x: Value, y: Value) -> Value:
-        """x where c is 1, y where c is 0."""
+        """x where the bit c is 1, y where it is 0."""
         if isinstance(c, int):
             return x if c else y
         with suppress(UnsupportedError):
@@ -602,20 +576,10 @@ class Space:
 
 
 def _picked(c: Function, x: Function, y: Function) -> Value:
-    """The choice code by code; each branch is looked at only where it is chosen."""
-    a, b = c.changes()
-    # Beyond the ends of c, the branch that is chosen there.
-    first, last = (x if c.at(code, code)[0] else y for code in (a, b))
-    (low, _, left, _), (_, high, _, right) = first.span(), last.span()
-    a, b = min(a, low), max(b, high)
-    chosen = c.at(a, b) != 0
-    result = np.empty(b - a + 1, dtype=np.int64)
-    for where, branch in ((chosen, x), (~chosen, y)):
-        codes = np.flatnonzero(where)
-        if len(codes):
-            p, q = int(codes[0]), int(codes[-1])
-            np.copyto(result[p : q + 1], branch.at(a + p, a + q), where=where[p : q + 1])
-    return _drawn(c.word, a, result, left, right)
+    """The choice. Between two of these codes the bit is constant, unless they are neighbours, and
+    the branch is straight."""
+    codes = _in_order([c.codes, x.codes, y.codes])
+    return _drawn(c.word, codes, np.where(c.at(codes) == 1, x.at(codes), y.at(codes)))
 
 
 def _samples(word: Word) -> set[str]:

@@ -47,11 +47,16 @@ class Unrolled:
         self.held = [r.output for r in hardware.registers] + [m.words for m in self.written]
         self.made: dict[Any, Expression] = {}
         self.clocks = 0
-        self.order = [(cell, _sources(cell)) for cell in _ordered(hardware)]
-        # Words that have changed since all wires were settled.
-        self.changed: set[Net] = set()
-        for cell, _ in self.order:
-            self._set(cell.output, self._cell(cell))
+        self.order = [*_ordered(hardware), *hardware.registers]
+        # Which cells read a word, and which wait because one has changed.
+        self.readers: dict[Net, list[int]] = defaultdict(list)
+        for k, cell in enumerate(self.order):
+            for net in _sources(cell):
+                self.readers[net].append(k)
+        self.waiting = bytearray(b"\1" * len(self.order))
+        # What registers take at the next edge.
+        self.taken: dict[Net, Bits] = {}
+        self._settle()
 
     def get(self, port: Port) -> Bits:
         source, _, count = port[0]
@@ -78,20 +83,28 @@ class Unrolled:
     def _set(self, net: Net, v: Bits) -> None:
         if self.now[net] is not v and self.now[net] != v:
             self.now[net] = v
-            self.changed.add(net)
+            for k in self.readers[net]:
+                self.waiting[k] = 1
 
     def step(self, inputs: Mapping[str, Bits]) -> None:
         """The inputs of this clock, and all wires settled."""
         for name, net in self.hardware.inputs.items():
             self._set(net, inputs.get(name, 0))
-        for cell, sources in self.order:
-            if not self.changed.isdisjoint(sources):
+        self._settle()
+
+    def _settle(self) -> None:
+        k = self.waiting.find(1)
+        while k >= 0:
+            self.waiting[k], cell = 0, self.order[k]
+            if cell.kind == "$dff":
+                self.taken[cell.output] = self.get(cell.inputs["D"])
+            else:
                 self._set(cell.output, self._cell(cell))
-        self.changed.clear()
+            k = self.waiting.find(1, k)
 
     def clock(self) -> None:
         """The rising edge."""
-        new = [self.get(r.inputs["D"]) for r in self.hardware.registers]
+        new = [self.taken[r.output] for r in self.hardware.registers]
         self.restore(new + [self._behind(m) for m in self.written])
         self.clocks += 1
 
