@@ -167,7 +167,7 @@ HARDWARE = KeyTable(
             Flag(),
             False,
             "Only for `engine`. With `true` the program is not part of the hardware: "
-            "it is an image that is loaded ([engine](blocks/engine.md#images)). The hardware "
+            "it is an image that is loaded ([engine](instruction-set.md#images)). The hardware "
             "then depends only on `program_words`, `operand_words`, `table_blocks`, "
             "`segment_width`, `pipeline` and `lanes`, on whether the scene's own network has ReLU, "
             "and on the kinds of its quantisers. A scene with a section [uart](#uart) loads the "
