@@ -17,7 +17,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -508,10 +508,17 @@ def plain(markdown: str) -> str:
     return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")
 
 
-def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
-    """Read every key of a file with its value, check each by itself, and fill in the defaults."""
+def read_checked(
+    path: Path, table: KeyTable, amend: Callable[[dict[str, Any], Path], None] | None = None
+) -> dict[str, Any]:
+    """Read every key of a file with its value, check each by itself, and fill in the defaults.
+
+    ``amend`` puts what an older file says into the words of today.
+    """
     with reading(path, "TOML"):
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    if amend:
+        amend(raw, path)
     found = [*_long(raw, "")] or [*table.faults(raw, "")]
     if found:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))
