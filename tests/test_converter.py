@@ -390,3 +390,10 @@ def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> N
     hasty = replace(slow, sections=scan.replace("4", "3"))
     with pytest.raises(InputError, match="a scan of 8 clocks, expected 11 or more"):
         scene_of(hasty, tmp_path, "hasty").twin()
+
+
+def test_a_rate_needs_the_clock_of_the_scene(tmp_path: Path) -> None:
+    scene = scene_with(tmp_path, "rate_hz = 200\n")
+    text = scene.path.read_text(encoding="utf-8")
+    scene.path.write_text(text.replace("[hardware]", "[hardware]\nclock_mhz = 100", 1), "utf-8")
+    assert load_scene(str(scene.path)).twin().interval == 500_000

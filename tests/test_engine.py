@@ -22,6 +22,7 @@ from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
 from golden.engine.integer_network import LayerRounding, evaluate, sample_words
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneInstruction, LaneProgram
+from golden.engine.neurons import graph_of
 from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
@@ -612,3 +613,20 @@ def test_predict_counts_what_new_readings_saturate(tmp_path: Path, capsys) -> No
     with (tmp_path / "out.csv").open() as file:
         reasons = [row["reason"] for row in csv.DictReader(file)]
     assert ["layer 1 saturates" in reason for reason in reasons] == (count > 0).tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "clocks"),
+    [("digit", 236), ("comparison/digit-lanes2", 153), ("comparison/digit-lanes4", 130)],
+)
+def test_the_overview_tells_the_clocks(name: str, clocks: int) -> None:
+    assert load_scene(name).twin().interval == clocks
+    assert re.search(rf"\b{clocks}\b", PAGE.with_name("overview.md").read_text("utf-8"))
+
+
+def test_an_engine_leaves_out_the_steps_of_weights_of_0() -> None:
+    network = random_mlp((3, 4, 2), 1.0, 1)
+    network.w1[:, 0] = network.w2[:, -1] = 0
+    whole = integer_networks("single", [network])
+    terms = [sum(len(n.terms) for n in graph_of(whole, lean).neurons) for lean in (False, True)]
+    assert terms[0] - terms[1] == 11

@@ -315,6 +315,9 @@ OPERATIONS: list[Operation] = [
     ),
     lambda space, a, b, c, k, f: space.of(lambda x: x * x % 13, space.modulo(a, 4, signed=True)),
     lambda space, a, b, c, k, f: space.of(lambda x, y: x & y, a, b),
+    lambda space, a, b, c, k, f: a * 2 + f,
+    lambda space, a, b, c, k, f: space.clip(a, 0, 1),
+    lambda space, a, b, c, k, f: space.floor(a, 1) + space.floor(b, 1) - c,
 ]
 
 
@@ -331,6 +334,25 @@ def random_values(space: Space, samples: list[Value], rng: np.random.Generator) 
         if not isinstance(made, int) and max(map(abs, made.ends)) < 1 << 30:
             values.append(made)
             yield made
+
+
+def test_a_bit_may_be_any_number_where_no_frame_comes() -> None:
+    """A sum that is 0 or 1 in every frame, over a word whose codes go further."""
+    space = Space()
+    a, b, c = (space.sample(name, 0, 7) for name in "abc")
+    s, t = (space.sample(name, 0, 4) for name in "st")
+    first = 8 + a - b + s + t - space.floor(s + t, 1) * 2
+    others = space.floor(9 + b - c, 4) + space.floor(9 + c - a, 4)
+    space.cut(first, others * 16)
+    form = space.floor(first, 4) + others
+    words = [w for v in (a, b, c, s, t) for w in v.terms]
+    grids = np.meshgrid(*[np.arange(8)] * 3, *[np.arange(5)] * 2)
+    now = Evaluated(words, np.stack(grids, axis=-1).reshape(-1, 5))
+    n = now.value(form)
+    assert {*n} == {0, 1}
+    assert not now.value(space.clip(form - 1, 0, 9)).any()
+    bit = space.modulo(form, 1, signed=False)
+    assert np.array_equal(now.value(space.choose(bit, 10, 0)), n * 10)
 
 
 EVERY = np.stack(np.meshgrid(*[np.arange(-8, 8)] * 3), axis=-1).reshape(-1, 3)
@@ -405,7 +427,7 @@ def test_a_function_is_as_far_from_its_line_as_it_says(bits: int) -> None:
 def test_the_shortest_form_is_the_same_function() -> None:
     rng = np.random.default_rng(1)
     for _ in range(5000):
-        codes = np.arange(int(rng.integers(2, 10)))
+        codes = np.arange(int(rng.integers(1, 10)))
         values = codes * rng.integers(-2, 3) + rng.integers(-9, 9)
         values[rng.integers(len(codes)) :] += rng.integers(-1, 2)
         made, start = curve(Word(1, "x", 0, int(codes[-1])), codes, values)

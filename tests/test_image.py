@@ -13,7 +13,7 @@ from refused import call
 from shared import movable, run
 from test_engine import random_codes
 
-from golden.engine.formats import RESULT, WIDTH
+from golden.engine.formats import RESULT, WIDTH, signed_code
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
 from golden.engine.tanh_table import tanh_table
@@ -337,3 +337,16 @@ def test_the_bench_loads_every_shipped_scene(name: str, tmp_path: Path) -> None:
     shipped = [bench_input(load_scene(other)) for other in SCENES]
     found = shipped_with_room(scene_of(case, tmp_path, name).twin(), shipped)
     assert tuple(scene.name for scene, _ in found) == SCENES
+
+
+def test_words_stand_where_the_page_says() -> None:
+    """Other loaders are written from docs/instruction-set.md."""
+    hardware = engine(random_mlp((3, 5, 2), 1.0, seed=1), lanes=3)
+    words, program = hardware.loaded.words, hardware.program
+    low, high = [word & 0x3FFFF for word in words], [word >> 18 for word in words]
+    assert low[:512] == high[:512] == list(program.table)
+    rows = range(512, len(words), 4)
+    assert [words[n] for n in rows][: len(program.words)] == list(program.words)
+    own = [[low[n + 1], high[n + 1], low[n + 2]] for n in rows]
+    codes = [tuple(signed_code(code) for code in row) for row in own]
+    assert codes[: len(program.weights)] == [tuple(row) for row in program.weights]

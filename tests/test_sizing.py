@@ -120,7 +120,7 @@ def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[S
     by_name = {row.candidate.name: row for row in rows}
     hybrid, codes = by_name["hybrid"], scene.vectors().codes
     assert (hybrid.clocks, hybrid.interval) == (
-        scene.twin().output_clocks[-1],
+        scene.twin().clocks_after_samples,
         scene.twin().interval,
     )
     real = np.clip(scene.process_real(SIGNAL.to_real(codes)), -1, 1 - 2**-13) * 2**13
@@ -156,7 +156,7 @@ def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
             limited.choice.row.candidate.name
             == min((prices[one.candidate.name], one.clocks, one.candidate.name) for one in fit)[-1]
         )
-        assert limited.twin().output_clocks[-1] <= row.clocks
+        assert limited.twin().clocks_after_samples <= row.clocks
         assert limited.twin().interval <= row.interval
 
 
@@ -203,7 +203,7 @@ def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None
     assert list(tables) == [f"table_graph, adders_per_clock {count}" for count in (5, 2, 1)]
     for row in tables.values():
         assert (row.multipliers, row.block_rams, row.interval) == (0, 0, 1)
-        assert row.clocks == row.network.output_clocks[-1]
+        assert row.clocks == row.network.clocks_after_samples
         assert row.worst > max(one.worst for one in rows if one.candidate.design == "engine")
     luts, flip_flops, clocks = zip(
         *((row.size.luts, row.size.flip_flops, row.clocks) for row in tables.values()), strict=True

@@ -201,7 +201,7 @@ class WeightedSum(Block):
     def closest(
         self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
     ) -> Codes | None:
-        """Search samples whose sum is closest to ``target``; see ``golden.layers.weighted_sum``."""
+        """Search samples whose sum is closest to ``target``; see ``closest``."""
         ends = ((self.in_fmt.low, self.in_fmt.high),) * len(row)
         return closest(ends, row, start, self.product_shift, target, above, rng)
 

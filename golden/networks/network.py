@@ -92,6 +92,14 @@ class Network(Block):
         return tuple(range(self.latency, self.latency + self.outputs))
 
     @property
+    def clocks_after_samples(self) -> int:
+        """Clocks from the last sample of a frame to its last output.
+
+        Behind the samples of a cascade of hybrid networks there are slots for the earlier outputs.
+        """
+        return max(0, self.input_controller.inputs - self.inputs) + self.output_clocks[-1]
+
+    @property
     def frame_clocks(self) -> int:
         """Least clocks from the first element of a frame to its last, both included."""
         return self.input_controller.inputs

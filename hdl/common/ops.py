@@ -1,7 +1,8 @@
 """One operation each, without a clock: ``ops.add(left, right, total)`` writes ``total``.
 
 Every result has a signal of its own, wide enough for each value, because MyHDL, VHDL and Verilog
-cut the bits of a longer expression at different widths. ``right`` may be a Python number.
+cut the bits of a longer expression at different widths. One of two operands may be a Python number,
+but not what another is subtracted from.
 """
 
 from myhdl import always_comb, block, concat
@@ -51,6 +52,9 @@ def add(left, right, total):
 
 @block
 def subtract(left, right, difference):
+    if isinstance(left, int):
+        raise ValueError("subtract: got a number first, which a synthesiser swaps; negate and add")
+
     @always_comb
     def compute():
         difference.next = left - right
@@ -69,7 +73,9 @@ def multiply(left, right, product):
 
 @block
 def shift_left(data, places, moved):
-    """``moved`` and ``data`` have the same width."""
+    """``moved`` is no wider than ``data``, because VHDL moves in the width of ``data``."""
+    if len(moved) > len(data):
+        raise ValueError(f"shift_left: got {len(data)} bits into {len(moved)}, expected no more")
 
     @always_comb
     def move():

@@ -124,7 +124,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
     vectors, design = scene.vectors(), scene.twin().core
     facts = results["facts"]
     first = next(iter(facts.values()))
-    clocks, interval = first["clocks_per_frame"], first["interval"]
+    clocks, interval = first["clocks_per_frame"], first.get("interval", design.interval)
     errors_of_classes = []
     if scene.labels:
         errors_of_classes = [
@@ -213,12 +213,9 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
             return 1
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
-        # The tables about the project itself take longest, and would be the same in each report.
         with stage(f"{scene.name}: writing the report"):
             build_report(scene)
     if len(scenes) > 1:
-        if not full:
-            print("the project's own tables: make report, or FULL=1")
         print("\n".join(["", *side_by_side(scenes, results)]))
     return 0
 

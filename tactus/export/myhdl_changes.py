@@ -224,21 +224,30 @@ class _Decide(ast.NodeTransformer):
     """Replaces each condition on Python numbers by the branch that it takes."""
 
     def __init__(self, function: FunctionType) -> None:
-        self._function = function
+        self._function, self._tested = function, False
 
     def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
-        self.generic_visit(node)
+        self._visit_parts(node)
         known = self._known(node.test)
         return node if known is None else node.body if known else node.orelse
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        self.generic_visit(node)
+        self._visit_parts(node)
         known = self._known(node.test)
         return node if known is None else node.body if known else node.orelse
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        """Leaves out what is known, or all, if that decides."""
+    def _visit_parts(self, node: ast.If | ast.IfExp) -> None:
+        self._tested, before = True, self._tested
+        node.test = self.visit(node.test)
+        self._tested = before
         self.generic_visit(node)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        """Leaves out what is known of a condition, or all, if that decides. Elsewhere a value may
+        be a number other than 0 and 1."""
+        self.generic_visit(node)
+        if not self._tested:
+            return node
         decisive = isinstance(node.op, ast.Or)
         known = [self._known(value) for value in node.values]
         rest = [value for value, fact in zip(node.values, known, strict=True) if fact is None]

@@ -29,6 +29,7 @@ from tactus.core.files import (
     replace_files,
     same_file,
 )
+from tactus.core.hold import held as held_folders
 from tactus.network_files.npz import arrays_of
 from tactus.network_files.parsed import ParsedNetwork, file_of, for_labels, name_in_file
 
@@ -174,7 +175,9 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
     Networks of other names stay in the files.
     """
     files = _files_of([path for path, *_ in networks])
-    with replace_files(files) as temporaries:
+    # Trainings of two scenes may add networks to one file.
+    folders = [file.parent for file in files if file.exists()]
+    with held_folders(folders), replace_files(files) as temporaries:
         temporary = dict(zip(files, temporaries, strict=True))
         for file in _files_of([path for path, *_ in networks if name_in_file(path)]):
             if file.exists():
@@ -186,7 +189,8 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
             text = _lines(provenance)
             if name:
                 tables = tomllib.loads(story.read_text(encoding="utf-8")) | {name: provenance}
-                named = {key: value for key, value in tables.items() if isinstance(value, Mapping)}
+                owners = {key.rpartition("/")[0] for key in arrays_of(temporary[file_of(path)])}
+                named = {key: value for key, value in tables.items() if key in owners}
                 text = "\n".join(f"[{_toml(key)}]\n{_lines(named[key])}" for key in named)
             story.write_text(text, encoding="utf-8")
 

@@ -40,7 +40,7 @@ SPLINE = "spline_"
 
 def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     if not zipfile.is_zipfile(path):
-        raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
+        raise InputError(f"{path}: not an NPZ of numbers: no zip archive; delete it to train anew")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
         return {name: archive[name] for name in archive.files}
 
@@ -52,7 +52,11 @@ def _before(path: Path) -> str:
 def read(path: Path) -> ParsedNetwork:
     """Read every array of a network as float64, and the activations."""
     before, every = _before(path), arrays_of(file_of(path))
-    arrays = {name[len(before) :]: every[name] for name in every if name.startswith(before)}
+    arrays = {
+        name[len(before) :]: every[name]
+        for name in every
+        if (name.startswith(before) if before else "/" not in name)
+    }
     if not arrays:
         raise MissingFileError(
             f"{path}: no such network, got {', '.join(every)}; make train SCENE=... writes it"

@@ -67,7 +67,7 @@ class ParsedNetwork:
 
 def file_of(path: Path) -> Path:
     """The file that holds a network: ``rig.npz`` for ``rig.npz/force``, one of several in it."""
-    return next((folder for folder in path.parents if folder.suffix == ".npz"), path)
+    return next((one for one in path.parents if one.suffix == ".npz" and not one.is_dir()), path)
 
 
 def name_in_file(path: Path) -> str:

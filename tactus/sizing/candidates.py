@@ -129,7 +129,7 @@ class Sized:
     @property
     def clocks(self) -> int:
         """Clocks from the last sample to the last output."""
-        return self.network.output_clocks[-1]
+        return self.network.clocks_after_samples
 
     @property
     def interval(self) -> int:

@@ -48,7 +48,7 @@ class Demand:
         return max([got / most for got, most in pairs if most], default=0.0)
 
     def refuse(self, network: Network, design: str) -> None:
-        clocks, interval = network.output_clocks[-1], network.interval
+        clocks, interval = network.clocks_after_samples, network.interval
         if self.clocks and clocks > self.clocks:
             raise InputError(
                 f"hardware.clocks: got {self.clocks}, expected {clocks} or more, which {design} "

@@ -269,14 +269,15 @@ class Bench:
     def measured(self, recording: Recording, frames: int, first: int, final: int, ended):
         """Keep what so many frames take: the rows of the first one's begin and end, and all ends.
 
-        A single frame has the interval of the twin.
+        A single frame has no interval.
         """
         self.facts = {
             "frames": frames,
             "seconds": recording.seconds,
             "clocks_per_frame": int(final - first + 1),
-            "interval": int(np.diff(ended).min()) if len(ended) > 1 else self.twin.interval,
         }
+        if len(ended) > 1:
+            self.facts["interval"] = int(np.diff(ended).min())
 
     def finish(self, at_least: int = 1):
         """Fail if fewer results were compared than promised, and hand the count to the runner."""

@@ -2,7 +2,8 @@
 
 The first properties are of an engine that takes images. Without a line that is heard they are those
 of converter_instrument. At the end stand those of the line's receiver and transmitter, and of the
-pulse density.
+pulse density. What a sender with lessons or with index and margin tells is not proved: the bench
+compares every bit of ``tx``.
 """
 
 from golden.link.uart import BYTE_BITS

@@ -71,23 +71,7 @@ def image_receiver(twin):
             ),
             clocks=9,
         ),
-        Property(
-            name="silence",
-            sentence="The clocks since the last byte are counted. A packet is over in exactly "
-            f"those clocks in which no byte has come for {idle} clocks.",
-            states=("idle == quiet", f"over == (quiet == {idle - 1} && !in_valid)"),
-            watch=f"""
-                reg [15:0] quiet = 0;
-                always @(posedge clk)
-                    quiet <= rst || in_valid || quiet == {idle - 1} ? 0 : quiet + 1;
-            """,
-            helps=(f"quiet < {idle}",),
-            refuted_by=(
-                (r"idle <= \(idle \+ 1\)", "idle <= (idle + 2)"),
-                (r"if \(\(in_valid \|\| over\)\)", "if (over)"),
-            ),
-            clocks=6,
-        ),
+        silence(idle),
         Property(
             name="distance of bytes",
             sentence="Bytes that go to the engine are at least as far apart as those that come.",
@@ -152,6 +136,27 @@ def image_receiver(twin):
             whole=True,
         ),
     ]
+
+
+def silence(idle):
+    """Of images and of lessons."""
+    return Property(
+        name="silence",
+        sentence="The clocks since the last byte are counted. A packet is over in exactly "
+        f"those clocks in which no byte has come for {idle} clocks.",
+        states=("idle == quiet", f"over == (quiet == {idle - 1} && !in_valid)"),
+        watch=f"""
+            reg [15:0] quiet = 0;
+            always @(posedge clk)
+                quiet <= rst || in_valid || quiet == {idle - 1} ? 0 : quiet + 1;
+        """,
+        helps=(f"quiet < {idle}",),
+        refuted_by=(
+            (r"idle <= \(idle \+ 1\)", "idle <= (idle + 2)"),
+            (r"if \(\(in_valid \|\| over\)\)", "if (over)"),
+        ),
+        clocks=6,
+    )
 
 
 def names(depth):

@@ -5,11 +5,18 @@ from golden.link.packets import CHECK_PRESET, LESSON, SYNC, kind_byte
 from golden.numbers.precision import SIGNAL
 from tb.common.properties import Property
 from tb.common.watch import check_byte
+from tb.link.image_proof import silence
 
 
 def lesson_receiver(twin):
     """The properties of the part, which say all that it does."""
-    return [only_right_packets(twin), the_check(twin), whole_frames(twin), codes_of_packets(twin)]
+    return [
+        only_right_packets(twin),
+        the_check(twin),
+        silence(twin.idle_clocks),
+        whole_frames(twin),
+        codes_of_packets(twin),
+    ]
 
 
 def only_right_packets(twin):
@@ -65,7 +72,7 @@ def only_right_packets(twin):
             f"!armed || bytes <= {bits}",
             f"!sending || bytes <= {bits + 1}",
         ),
-        # The check is proved below. Silence may be counted in any way.
+        # The check and silence are proved below.
         free=("idle", "following"),
         reached=("right",),
         refuted_by=(

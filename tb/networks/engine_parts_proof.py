@@ -1,7 +1,8 @@
 """The properties of the parts of engine, for every word that comes.
 
 z3 gives no answer within minutes about the words of ``program_ram``, and of a ``lane_memory`` that
-is written. The bench of ``engine`` and the proof for every frame judge these.
+is written. The proof for every frame judges these, and with ``ALL=1`` the bench of ``engine`` in
+its case ``rails-lanes-reload``.
 """
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH

@@ -59,7 +59,7 @@ def measured() -> list[Design]:
             Design(
                 scene.name.removeprefix("comparison/"),
                 cells["LUT"],
-                design.output_clocks[-1],
+                design.clocks_after_samples,
                 max(error.largest_mean for error in scene_errors(scene)["bit-true"]),
                 cells["multiplier"],
                 cells["block RAM"],
@@ -78,7 +78,7 @@ def printed_designs() -> list[Printed]:
     for name, (key, scene) in PRINTED.items():
         printed = thesis_table(key)
         luts = printed["luts_percent"] * device["luts4"] / 100
-        clocks = load_scene(scene).twin().output_clocks[-1]
+        clocks = load_scene(scene).twin().clocks_after_samples
         found.append(Printed(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
     return found
 

@@ -74,7 +74,11 @@ def headline() -> str:
         ("error on held-out rows", "-", *held_out),
         ("mean error at the worst position", worst(printed["simulation"]), *largest),
         ("the same, with real sensors", worst(printed["real_time"]), "-", "-"),
-        ("clocks after the last sample", "-", *(str(s.twin().output_clocks[-1]) for s in scenes)),
+        (
+            "clocks after the last sample",
+            "-",
+            *(str(s.twin().clocks_after_samples) for s in scenes),
+        ),
         ("LUTs", luts, *(f"{c['LUT']:,}" for c in cells)),
         ("LUTs with scan and profile", "not said", *(f"{c['LUT']:,}" for c in whole)),
         ("multipliers", multipliers, *(str(c["multiplier"]) for c in cells)),

@@ -206,7 +206,7 @@ def resources() -> str:
             path = record_path(scene, board)
             if path.is_file():
                 report, _ = read_record(path)
-                cells = _cells(report, scene.twin().output_clocks[-1])
+                cells = _cells(report, scene.twin().clocks_after_samples)
                 rows.append([scene.name, f"{board.title}, {board.device}", *cells])
     return markdown(f"scene | board | {' | '.join(CELLS)} | MHz needed | MHz reached | us", rows)
 

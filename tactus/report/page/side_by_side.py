@@ -89,7 +89,7 @@ def _built(scene: Scene, results: dict[str, Any] | None) -> Column:
     clocks, interval = clocks_per_frame(design), design.interval
     if results:
         facts = next(iter(results["facts"].values()))
-        clocks, interval = facts["clocks_per_frame"], facts["interval"]
+        clocks, interval = facts["clocks_per_frame"], facts.get("interval", design.interval)
     found = {
         "": f"scene {scene.name}",
         "networks": scene.describe(),
@@ -105,7 +105,7 @@ def _built(scene: Scene, results: dict[str, Any] | None) -> Column:
         last = f"{held_out[n]:.2f}" if held_out else NONE
         found[f"  {name}"] = f"{error.mean:5.2f} {error.largest_mean:8.2f} {last:>9}"
     found["clocks a frame"] = f"{clocks:,}"
-    found["  after its last sample"] = f"{design.output_clocks[-1]:,}"
+    found["  after its last element"] = f"{design.output_clocks[-1]:,}"
     found["clocks between frames"] = f"{interval:,} ({interval / scene.clock_mhz:.2f} us)"
     cells, device = read_budget(scene.path)[FAMILY], thesis_table("device")
     for kind in KINDS:

@@ -207,6 +207,8 @@ def curve(word: Word, codes: np.ndarray, values: np.ndarray) -> tuple[Curve | No
     ends of the word, or None for a constant; and its value at the lowest code."""
     start, least, most = int(values[0]), int(values.min()), int(values.max())
     _fits(least, most, most - least)
+    if len(codes) == 1:
+        return None, start
     slopes = np.diff(values) // np.diff(codes)
     kept = np.concatenate([[True], slopes[1:] != slopes[:-1], [True]])
     codes, values = codes[kept], values[kept] - start
@@ -474,6 +476,8 @@ class Space:
         offset = constant if sign > 0 else (1 << k) - 1 - constant
         word = base.word(offset % (1 << k), k)
         start = sign * (offset >> k)
+        if word.low == word.high:
+            return start + sign * word.low
         if base.parts and k <= base.parts[2]:
             first, rest, _ = base.parts
             form = self.floor(first * sign + constant, k) + self.floor(rest * sign, k)
@@ -500,13 +504,14 @@ class Space:
             rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w.base is not base})
             if quick and rest.terms.keys() != base.total.terms.keys():
                 continue
-            constant, (line,) = self._line(rest)
-            if line.word.base is base:
-                return constant, [line, *[c for w, c in v.terms.items() if w.base is base]]
+            constant, line = self._line(rest)
+            if all(c.word.base is base for c in line):
+                return constant, [*line, *[c for w, c in v.terms.items() if w.base is base]]
         return None
 
     def _line(self, v: Sum) -> tuple[int, list[Curve]]:
-        """The same as a straight line over one word: the sum without a common factor."""
+        """The same as a straight line over one word: the sum without a common factor. There is none
+        if the sum has one value."""
         odd = _odd(v)
         base, e, slope = self._base(
             Sum(0, {w: c // odd for w, c in v.terms.items()}) if odd > 1 else v
@@ -515,7 +520,7 @@ class Space:
         start, turned, word = base.coarse or (0, 1, base.word(0, 0))
         slope <<= e
         constant = v.constant + slope * (start + turned * word.low)
-        return constant, [_straight(word, slope * turned)]
+        return constant, [_straight(word, slope * turned)] if word.low < word.high else []
 
     def of(self, f: Callable[..., Any], *values: Value) -> Value:
         """f(values), code by code; all of them are functions of one word."""
@@ -538,7 +543,8 @@ class Space:
         if len({w.base or w for w in words}) > 1:
             said = ", ".join(sorted({f"({' '.join(sorted(_samples(w)))})" for w in words}))
             raise UnsupportedError(f"a function of words that depend on different samples: {said}")
-        return [Function(_common(words), *one) for one in given]
+        common = _common(words) if words else Word(next(_numbers), "", 0, 0)
+        return [Function(common, *one) for one in given]
 
     def negative(self, v: Value) -> Value:
         """1 where v < 0, else 0: no more than the floor over a power of two that is greater than
@@ -576,9 +582,11 @@ class Space:
 
 
 def _picked(c: Function, x: Function, y: Function) -> Value:
-    """The choice. Between two of these codes the bit is constant, unless they are neighbours, and
-    the branch is straight."""
-    codes = _in_order([c.codes, x.codes, y.codes])
+    """The choice. Between two of these codes the bit is constant and the branch is straight: where
+    the bit changes, every code is taken, because at codes that no frame reaches it may be any
+    number."""
+    counts = np.where(np.diff(c.at(c.codes)) != 0, np.diff(c.codes), 1)
+    codes = _in_order([_every(c.codes[:-1], counts), x.codes, y.codes])
     return _drawn(c.word, codes, np.where(c.at(codes) == 1, x.at(codes), y.at(codes)))
 
 

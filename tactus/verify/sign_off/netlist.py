@@ -11,7 +11,7 @@ unknown (``tactus/verify/sign_off/unknown.py``).
 and, on cells, the entities of the scenes whose network is an engine. The result of a bench that has
 passed is kept until its netlist or the bench changes. An engine, and the instrument around it on a
 board, only play recorded frames, in its own image and, where the bench has some, in others. The
-rest of their benches would take hours; their parts run through the whole of theirs.
+rest of their benches would take hours.
 """
 
 import os
@@ -239,14 +239,19 @@ def _run(asked: tuple[Job, str, str]) -> Outcome:
 def record_unknown(job: Job) -> Outcome:
     """Run and record a block with unknown registers, and with one register whose reset is left out.
 
-    That register is the control: the first one without whose reset the bench fails. It shows that
-    the bench detects an unknown register.
+    That register is the control: without its reset the bench fails, and the proof does not close
+    where there is such a register. It shows that both detect an unknown register.
     """
     netlist = Netlist(job)
     outcome = run_kept(netlist.bench(job))
     registers = netlist.registers()
     reset = [register for register in registers if register.reset]
-    control = next((r for r in reset if not run_kept(netlist.bench(job, r)).passed), None)
+    control, closes = None, None
+    for register in reset:
+        if not run_kept(netlist.bench(job, register)).passed:
+            control, closes = register, clocks_to_prove(netlist, register)
+            if closes is None:
+                break
     facts = {
         "proved over clocks": clocks_to_prove(netlist) if reset else None,
         **source(job, outcome.facts["played"]),
@@ -258,7 +263,7 @@ def record_unknown(job: Job) -> Outcome:
         "reset": len(reset),
         "not reset": len(registers) - len(reset),
         "control": control.name if control else "",
-        "control proved over clocks": clocks_to_prove(netlist, control) if control else None,
+        "control proved over clocks": closes,
     }
     write_record(UNKNOWN, record_name(job), facts)
     return outcome
