@@ -84,7 +84,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     first = [item for item in long if item.path.stem == "test_certify"]
     long = [item for item in long if item not in first]
     rest = [item for item in items if not item.get_closest_marker("all_only")]
-    workers, count = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), len(items)
+    workers, count = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT") or 1), len(items)
     items.clear()
     for n in range(workers):
         items += first[n::workers]

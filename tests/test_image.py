@@ -16,6 +16,7 @@ from test_engine import random_codes
 from golden.engine.formats import RESULT, WIDTH, signed_code
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
+from golden.engine.pipeline import LanePipeline
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.design import Settings
@@ -130,6 +131,8 @@ def test_hardware_of_each_kind_has_a_check_of_its_own() -> None:
         for lanes in range(1, 17)
         for blocks in range(5)
     ]
+    kinds += [{"program_words": 1024}, {"program_words": 1024, "segment_width": 8}]
+    kinds += [{"operand_words": 256}, {"pipeline": LanePipeline(1)}]
     assert len({Sizes(**kind).check_start for kind in kinds}) == len(kinds)
 
 
@@ -274,6 +277,8 @@ def test_make_image(tmp_path: Path, capsys, lanes: int, words: int, note: str) -
     assert (folder / "swing-single.bin").read_bytes() == image.to_bytes()
     read = [int(line, 16) for line in (folder / "swing-single.hex").read_text().splitlines()]
     assert tuple(read) == image.contents
+    assert len(read) == words > len(image.words)
+    assert not any(read[len(image.words) :])
     heading, *lines = (folder / "swing-single.mem").read_text().splitlines()
     assert ("for lanes 3, 512 program words" in heading) == (lanes == 3)
     assert [int(line.split()[1], 16) for line in lines] == list(image.words)

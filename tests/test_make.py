@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import cycle
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from conftest import ROOT, tiered
+from conftest import ROOT, pytest_collection_modifyitems, tiered
 from shared import movable, run
 
 from tactus.cli.commands import WIDTH
@@ -632,3 +633,18 @@ def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
     (record,) = tmp_path.glob("build/store/training/*/0.jsonl")
     lines = record.read_text().splitlines()
     assert len(lines) == len(set(lines)) > 0
+
+
+@pytest.mark.parametrize("workers", ["", "1", "2", "3", "8"])
+def test_all_keeps_each_test_once(monkeypatch, workers: str) -> None:
+    monkeypatch.setenv("PYTEST_XDIST_WORKER_COUNT", workers)
+    items = [
+        SimpleNamespace(
+            number=n,
+            path=Path("test_certify.py" if n % 4 else "test_make.py"),
+            get_closest_marker=lambda _, n=n: n % 3 == 0,
+        )
+        for n in range(50)
+    ]
+    pytest_collection_modifyitems(SimpleNamespace(getoption=lambda _: True), items)
+    assert sorted(item.number for item in items) == list(range(50))

@@ -547,3 +547,10 @@ def test_square_and_sum_fit_their_widths(factor: int) -> None:
 def test_zero_is_zero(precision) -> None:
     """The first quadratic is -0.00139 there, but a magnitude has no sign."""
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize("rho", [3.87, 4.5, 6.0])
+def test_pade_multiplies_18_bits_at_most(rho: float) -> None:
+    block = pade_for(EXACT, 1, EXACT.hidden_fmt.high, rho=rho)
+    assert max(block.widths(block.last).values()) <= 18
