@@ -590,7 +590,7 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
         [
             "tactus.cli.demo same.toml",
             "tactus.export same.toml vhdl",
-            "tactus.report same.toml",
+            "tactus.report.page.build same.toml",
             "tactus.certify same.toml",
             "tactus.verify.sign_off.mutate --scene=same.toml",
             "tactus.verify.sign_off.mutate --block=abs_unit",
