@@ -18,7 +18,6 @@ from functools import lru_cache
 from random import Random
 from typing import Any
 
-from golden.layers import sharing
 from golden.layers.shift_add import (
     Constant,
     Ends,
@@ -437,7 +436,7 @@ def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) 
         return shared(matrix, levels, spare, operands, runs)
     # Tests set other limits, which the code does not show.
     parts = {
-        "limits": (sharing.RUNS, sharing.PAIRS),
+        "limits": (RUNS, PAIRS),
         "matrix": repr(matrix),
         "levels": levels,
         "spare": spare,
