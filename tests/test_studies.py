@@ -12,7 +12,6 @@ from golden.layers import input_integral
 from golden.numbers.fixed import Fix
 from studies.__main__ import FOLDER, differences, measured, names, recorded, same
 from studies.beans import study as beans
-from studies.drift import study as drift
 from studies.gripper import study as gripper
 from studies.physics.plate import Plate
 from studies.stability import networks, study
@@ -21,20 +20,17 @@ from studies.stability.digits import deflection
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene
 
-# Studies that train or learn for minutes before their first row, or need what a computer without a
-# network does not have; and one that is measured whole below.
-TRAIN = {"halved_search", "learned_functions", "on_line_learning"}
-NOT_BEGUN = {"judge", "peers", "stability", *TRAIN}
-# Studies that bring data of others.
-BRING = {"beans": beans.DATA, "drift": drift.DATA, "gripper": gripper.TEST}
+# Studies that bring data of others. The rest runs for hours, except for one that is measured whole
+# below.
+BRING = {"beans": beans.DATA, "gripper": gripper.TEST}
 # Of floating point on another processor.
 ROUNDING = 0.1
 PAGES = FOLDER.parent / "docs" / "studies"
 
 
-@pytest.mark.parametrize("name", sorted({*names()} - NOT_BEGUN))
+@pytest.mark.parametrize("name", BRING)
 def test_a_study_begins_as_its_result(name: str) -> None:
-    if name in BRING and not BRING[name].is_file():
+    if not BRING[name].is_file():
         pytest.skip(f"make study NAME={name} brings its data")
     table = recorded(name)
     (first,) = islice(measured(name), 1)
@@ -79,12 +75,6 @@ def test_other_data_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(InputError, match=r"got sha256 .*, expected 26266219"):
         beans.bring((tmp_path / "other.csv").as_uri())
     assert not beans.DATA.exists()
-
-
-def test_a_nose_smells_the_relative_change_of_each_sensor() -> None:
-    row = ",1000,10,0,0,0,0,0,0" * 15 + ",1000,1,0,0,0,0,0,0 \n"
-    found = drift.converted(f"Acetone,10.0{row}Ethanol,10.0{row}")
-    assert found == "0.2000," * 15 + "-0.8000,-1.0000\n"
 
 
 @pytest.mark.all_only
