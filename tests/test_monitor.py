@@ -1,15 +1,18 @@
 """Tests what the monitor shows, reports and records, from a pseudo-terminal to the browser."""
 
+from __future__ import annotations
+
 import csv
 import json
 import os
 import re
 import threading
 import time
+import tty
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,8 +27,9 @@ from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
-from tactus.monitor.line import Line
+from tactus.monitor.line import SerialLine
 from tactus.monitor.monitor import HEAD, PAUSE, Monitor, csv_columns
+from tactus.monitor.ports import Line
 from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard
 from tactus.scene import Scene, load_scene
@@ -40,38 +44,66 @@ def scene() -> Scene:
     return replace(load_scene("digit-board"), design_options={})
 
 
-def wait(until: Callable[[], bool]) -> None:
-    """Wait for a condition. Only a fault ends the wait without it, and not a slow machine."""
-    began = time.monotonic()
-    while not until():
-        assert time.monotonic() - began < LONGEST
-        time.sleep(0.01)
+def listen(monitor: Monitor, line: Line, until: Callable[[], bool]) -> None:
+    """Listen until a condition holds. Only a fault ends it without, and not a slow machine."""
+    line.silence, ends = LONGEST, time.monotonic() + LONGEST
+
+    def over() -> bool:
+        assert time.monotonic() < ends
+        return until()
+
+    monitor.listen(line, over)
 
 
-@contextmanager
-def listening(monitor: Monitor, line: Line) -> Iterator[None]:
-    done = threading.Event()
-    # The limit is long enough for a busy machine.
-    line.silence = LONGEST
-    thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
-    thread.start()
-    try:
-        yield
-    finally:
-        done.set()
-        thread.join()
+class Cable:
+    """A serial port at which a board of twins sits; the cable can be cut, and carry noise."""
+
+    def __init__(self, board: TwinBoard, folder: Path) -> None:
+        self.board, self.port = board, str(folder / "port")
+        self._ends: list[int] = []
+        self._lock, self._done = threading.Lock(), threading.Event()
+        self._thread = threading.Thread(target=self._carry)
+
+    def __enter__(self) -> Cable:
+        self.mend()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._done.set()
+        self._thread.join()
+        self.cut()
+
+    def mend(self) -> None:
+        with self._lock:
+            self._ends += os.openpty()
+            tty.setraw(self._ends[0])
+            os.set_blocking(self._ends[0], False)
+            Path(self.port).symlink_to(os.ttyname(self._ends[1]))
+
+    def cut(self) -> None:
+        with self._lock:
+            for end in self._ends:
+                os.close(end)
+            self._ends.clear()
+            Path(self.port).unlink(missing_ok=True)
+
+    def send(self, data: bytes) -> None:
+        # While nobody reads, bytes are lost.
+        with self._lock, suppress(BlockingIOError):
+            if self._ends:
+                os.write(self._ends[0], data)
+
+    def _carry(self) -> None:
+        while not self._done.is_set():
+            self.send(self.board.read())
 
 
 def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) -> None:
     board, path, said = Board(scene, scene), tmp_path / "all.csv", []
-    with (
-        TwinBoard(scene, 2000.0) as simulated,
-        Line(simulated.port, BAUD) as line,
-        GrowingCsv(path, [*HEAD, *board.columns]) as file,
-    ):
+    with GrowingCsv(path, [*HEAD, *board.columns]) as file:
         monitor = Monitor(board, said.append, file)
-        with listening(monitor, line):
-            wait(lambda: monitor.decoder.tally.frames >= 300)
+        listen(monitor, TwinBoard(scene), lambda: monitor.decoder.tally.frames >= 300)
         state = monitor.state()
     tally = monitor.decoder.tally
     assert (tally.missed, tally.failed, tally.skipped, said) == (0, 0, 0, [])
@@ -98,28 +130,29 @@ def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) 
     assert state["line"] == "packets"
 
 
-def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
+def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene, tmp_path: Path) -> None:
     said: list[str] = []
-    with TwinBoard(scene, 500.0) as simulated, Line(simulated.port, BAUD) as line:
+    with Cable(TwinBoard(scene, 500.0), tmp_path) as cable, SerialLine(cable.port, BAUD) as line:
         monitor = Monitor(Board(scene, scene), said.append)
-        with listening(monitor, line):
-            wait(lambda: monitor.decoder.tally.frames > 20)
-            simulated.noise(b"noise" * 9)
-            wait(lambda: any("are part of no packet" in text for text in said))
-            simulated.cut()
-            wait(lambda: monitor.state()["line"] == "cut")
-            before = monitor.decoder.tally.frames
-            simulated.mend()
-            wait(lambda: monitor.decoder.tally.frames > before + 20)
-            # On a busy machine the line may pause for a moment.
-            wait(lambda: monitor.state()["line"] == "packets")
-        assert monitor.decoder.tally.missed == 0
-        assert monitor.decoder.tally.skipped >= 45
+        tally = monitor.decoder.tally
+        listen(monitor, line, lambda: tally.frames > 20)
+        cable.send(b"noise" * 9)
+        listen(monitor, line, lambda: any("are part of no packet" in text for text in said))
+        cable.cut()
+        listen(monitor, line, lambda: monitor.state()["line"] == "cut")
+        before = tally.frames
+        cable.mend()
+        listen(monitor, line, lambda: tally.frames > before + 20)
+        # On a busy machine the line may pause for a moment.
+        listen(monitor, line, lambda: monitor.state()["line"] == "packets")
+    assert tally.missed == 0
+    assert tally.skipped >= 45
     texts = [text.partition(" ")[2] for text in said]
-    assert texts[0] == "45 bytes are part of no packet: garbage on the line, or another baud rate"
-    assert texts[1].startswith("the line was cut: the device is gone; waiting for ")
-    assert texts[2].endswith("board is back")
-    assert len(texts) == 3
+    assert texts == [
+        "45 bytes are part of no packet: garbage on the line, or another baud rate",
+        f"the line was cut: the device is gone; waiting for {cable.port}",
+        f"{cable.port} is back",
+    ]
 
 
 class Wire:
@@ -274,36 +307,39 @@ def plain(page: str, name: str) -> str:
 
 
 def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Path) -> None:
-    with TwinBoard(scene, 200.0) as simulated, Line(simulated.port, BAUD) as line:
+    simulated = TwinBoard(scene)
+    with (
+        Cable(simulated, tmp_path) as cable,
+        SerialLine(cable.port, BAUD) as line,
+        Server("t", (monitor := Monitor(Board(scene, scene), print)).state) as server,
+    ):
         simulated.place({"load": 0.9, "position": 0.45, "width": 0.9, "shape": 0.45})
-        monitor = Monitor(Board(scene, scene), print)
-        with listening(monitor, line), Server("t", monitor.state) as server:
-            wait(lambda: monitor.decoder.tally.frames > 60)
-            page = browse(server.address, tmp_path)
-            state = monitor.state()
-            assert "packets come" in plain(page, "line")
-            for shown in state["outputs"]:
-                # The board stays where it was placed.
-                assert f"{shown['name']} {shown['text']}" in plain(page, "outputs")
-            assert f"{state['outputs'][1]['mm']} mm" in plain(page, "outputs")
-            for shown in state["sensors"]:
-                assert f"{shown['text']} code {shown['code']}" in plain(page, "sensors")
-            assert page.count("<circle") == 17
-            assert page.count('class="course"') == 4
-            assert "nothing yet" in plain(page, "messages")
-            simulated.noise(b"noise")
-            simulated.cut()
-            wait(lambda: line.cut != "")
-            page = browse(server.address, tmp_path)
-            assert "the line is cut" in plain(page, "line")
-            assert "the line was cut: the device is gone" in plain(page, "messages")
-            simulated.mend()
-            wait(lambda: monitor.state()["line"] == "packets")
-            page = browse(server.address, tmp_path)
-            assert "packets come" in plain(page, "line")
-            assert "is back" in plain(page, "messages")
-            # Nothing is drawn without data.
-            assert page.count('class="course"') == 8
+        listen(monitor, line, lambda: monitor.decoder.tally.frames > 300)
+        page = browse(server.address, tmp_path)
+        state = monitor.state()
+        assert "packets come" in plain(page, "line")
+        for shown in state["outputs"]:
+            # The board stays where it was placed.
+            assert f"{shown['name']} {shown['text']}" in plain(page, "outputs")
+        assert f"{state['outputs'][1]['mm']} mm" in plain(page, "outputs")
+        for shown in state["sensors"]:
+            assert f"{shown['text']} code {shown['code']}" in plain(page, "sensors")
+        assert page.count("<circle") == 17
+        assert page.count('class="course"') == 4
+        assert "nothing yet" in plain(page, "messages")
+        cable.send(b"noise")
+        cable.cut()
+        listen(monitor, line, lambda: monitor.state()["line"] == "cut")
+        page = browse(server.address, tmp_path)
+        assert "the line is cut" in plain(page, "line")
+        assert "the line was cut: the device is gone" in plain(page, "messages")
+        cable.mend()
+        listen(monitor, line, lambda: monitor.state()["line"] == "packets")
+        page = browse(server.address, tmp_path)
+        assert "packets come" in plain(page, "line")
+        assert "is back" in plain(page, "messages")
+        # Nothing is drawn without data.
+        assert page.count('class="course"') == 8
 
 
 LOOK = """<script>
@@ -352,21 +388,17 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     assert text[rest:].startswith("<img src=x>long")
 
 
-def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
-    with (
-        TwinBoard(scene, 10.0) as simulated,
-        Line(simulated.port, BAUD),
-        pytest.raises(InputError, match="another program has it open"),
-    ):
-        Line(simulated.port, BAUD)
-
-
 def test_the_command_ends_with_what_it_saw(scene: Scene, tmp_path: Path, capfd) -> None:
-    with TwinBoard(scene, 200.0) as simulated:
-        to = f"--to={tmp_path}/a.csv"
-        assert not call("monitor", "digit-board", simulated.port, "--seconds=0.5", to)
+    to = f"--to={tmp_path}/a.csv"
+    with Cable(TwinBoard(scene, 200.0), tmp_path) as cable:
+        with (
+            SerialLine(cable.port, BAUD),
+            pytest.raises(InputError, match="another program has it open"),
+        ):
+            SerialLine(cable.port, BAUD)
+        assert not call("monitor", "digit-board", cable.port, "--seconds=0.5", to)
     first, *_, counted, wrote = capfd.readouterr().out.splitlines()
-    assert first.startswith(f"{simulated.port}, 1000000 baud: look at http://127.0.0.1:")
+    assert first.startswith(f"{cable.port}, 1000000 baud: look at http://127.0.0.1:")
     assert re.fullmatch(r"\d+ packets, 0 missed, 0 damaged", counted)
     rows = len((tmp_path / "a.csv").read_text().splitlines()) - 1
     assert wrote == f"wrote {tmp_path}/a.csv, {rows} rows"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from refused import Desk, call
 from test_classes import write_hand
+from test_monitor import BAUD, Cable
 
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
@@ -19,13 +20,12 @@ from golden.networks.engine import Engine
 from golden.trained.dense import Dense, layers_of, network_of
 from tactus.monitor import load as loading
 from tactus.monitor import record as recording
-from tactus.monitor.board import Board, board_of, nearest_row
+from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
-from tactus.monitor.line import Line
+from tactus.monitor.line import SerialLine
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.ports import open_line
 from tactus.monitor.record import read_label, typed
-from tactus.monitor.twin_board import TwinBoard
+from tactus.monitor.twin_board import TwinBoard, nearest_row
 from tactus.network_files.network_file import write_network
 from tactus.scene import Scene, load_scene
 from tactus.scene.image import scene_image
@@ -33,7 +33,6 @@ from tactus.scene.scale import Scale
 from tb.common.cases import FRONT_END, random_network
 
 ROOT = Path(__file__).parents[1]
-BAUD = 1_000_000
 
 
 @pytest.fixture(scope="module")
@@ -41,59 +40,39 @@ def hardware() -> Scene:
     return load_scene("digit-board")
 
 
-@pytest.fixture
-def simulated(hardware: Scene) -> Iterator[TwinBoard]:
-    with TwinBoard(hardware, 1000.0) as board:
-        yield board
-
-
 @pytest.mark.parametrize("name", ["digit-board", "digit-single", "digit-load"])
-def test_a_scene_that_is_loaded_runs(name: str, hardware: Scene, simulated: TwinBoard) -> None:
-    scene = load_scene(name)
+def test_a_scene_that_is_loaded_runs(name: str, hardware: Scene) -> None:
+    """Nothing is computed before."""
+    scene, line = load_scene(name), TwinBoard(hardware)
     board = Board(scene, hardware)
-    with Line(simulated.port, BAUD) as line:
-        count = loading.load(line, board)
-        assert count > 1000
-        line.drop()
-        decoder = Decoder(board.layout)
-        frames = []
-        while len(frames) < 50:
-            frames += decoder.feed(line.read())
+    decoder = Decoder(board.layout)
+    (frame,) = decoder.feed(line.read())
+    assert (frame.flags, frame.count, set(frame.outputs)) == (("frame_error",), 0, {0})
+    assert loading.load(line, board) > 1000
     core = Engine.of(scene.mlps(), arrangement=scene.arrangement)
-    for frame in frames:
+    for _ in range(50):
+        (frame,) = decoder.feed(line.read())
         expected = core.process(np.array([frame.samples]))[0].tolist()
         assert list(frame.outputs[: len(expected)]) == expected
         assert frame.flags == ()
         assert frame.point is not None
 
 
-def test_nothing_is_computed_before_an_image(simulated: TwinBoard) -> None:
-    with Line(simulated.port, BAUD) as line:
-        decoder, frames = Decoder(simulated.layout), []
-        while len(frames) < 5:
-            frames += decoder.feed(line.read())
-    assert {frame.flags for frame in frames} == {("frame_error",)}
-    assert {frame.count for frame in frames} == {0}
-
-
-def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinBoard) -> None:
+def test_a_board_that_refuses_an_image_is_told(hardware: Scene) -> None:
     larger = {**hardware.design_options, "program_words": 1024}
-    with (
-        Line(simulated.port, BAUD, "there") as line,
-        pytest.raises(InputError, match="PORT=there: image_error: the board refused the image"),
-    ):
-        loading.load(line, Board(hardware, replace(hardware, design_options=larger)))
+    with pytest.raises(InputError, match="PORT=twin: image_error: the board refused the image"):
+        loading.load(TwinBoard(hardware), Board(hardware, replace(hardware, design_options=larger)))
 
 
-def test_a_line_that_is_cut_is_told(hardware: Scene, simulated: TwinBoard) -> None:
-    with Line(simulated.port, BAUD, "there") as line:
-        simulated.cut()
-        for ask in (
-            lambda: loading.load(line, Board(hardware, hardware)),
-            lambda: recording.gather(line, Board(hardware, hardware), 4),
-        ):
-            with pytest.raises(InputError, match="PORT=there: the line was cut: the device is"):
-                ask()
+def test_a_line_that_is_cut_is_told(hardware: Scene, tmp_path: Path) -> None:
+    board = Board(hardware, hardware)
+    with Cable(TwinBoard(hardware, 1000.0), tmp_path) as cable:
+        for ask in (loading.load, lambda line, board: recording.gather(line, board, 4)):
+            with SerialLine(cable.port, BAUD) as line:
+                cable.cut()
+                with pytest.raises(InputError, match=f"PORT={cable.port}: the line was cut: the d"):
+                    ask(line, board)
+            cable.mend()
 
 
 def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
@@ -106,20 +85,26 @@ def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
         loading.check_readings(Board(other, hardware))
 
 
+@pytest.fixture
+def cable(hardware: Scene, tmp_path: Path) -> Iterator[Cable]:
+    with Cable(TwinBoard(hardware, 1000.0), tmp_path) as found:
+        yield found
+
+
 def test_placements_of_a_list_become_a_recording(
-    hardware: Scene, simulated: TwinBoard, tmp_path: Path, monkeypatch, capfd
+    hardware: Scene, cable: Cable, tmp_path: Path, monkeypatch, capfd
 ) -> None:
     """Each row is the mean of the readings at a placement, and the labels are copied."""
     labels, to = tmp_path / "labels.csv", tmp_path / "mine.csv"
     labels.write_text("position,load\n0.225,0.9\n0.450,0.90\n")
-    words = ("record", "digit-board", simulated.port, to, f"--labels={labels}", "--frames=4")
+    words = ("record", "digit-board", cable.port, to, f"--labels={labels}", "--frames=4")
     asked = []
 
     def touch(text: str) -> str:
         """Answer a request: touch the board at the placement, and press Enter."""
         asked.append(text)
         told = re.findall(r"(position|load) ([\d.]+)", text)
-        simulated.place({name: float(value) for name, value in told})
+        cable.board.place({name: float(value) for name, value in told})
         return ""
 
     monkeypatch.setattr("builtins.input", touch)
@@ -150,12 +135,12 @@ def test_placements_of_a_list_become_a_recording(
     ],
 )
 def test_an_input_that_ends_early_is_no_success(
-    simulated: TwinBoard, desk: Desk, monkeypatch, labels: str, typed: str, said: str, rows: int
+    cable: Cable, desk: Desk, monkeypatch, labels: str, typed: str, said: str, rows: int
 ) -> None:
     """The recorded rows are kept."""
     (desk.folder / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")
     monkeypatch.setattr(sys, "stdin", io.StringIO(typed))
-    words = ["digit-board", simulated.port, "rows.csv", "--frames=1", f"--labels={labels}"]
+    words = ["digit-board", cable.port, "rows.csv", "--frames=1", f"--labels={labels}"]
     code, told = desk.call("record", *words)
     assert code == (2 if said else 0), told
     assert told.startswith(f"error: {said}" if said else "")
@@ -167,29 +152,14 @@ def test_an_input_that_ends_early_is_no_success(
 def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Path) -> None:
     """The board plays its recording, four rows for each placement."""
     board, said = Board(hardware, hardware), []
-    with (
-        TwinBoard(hardware, 1000.0) as simulated,
-        Line(simulated.port, BAUD) as line,
-        GrowingCsv(tmp_path / "a.csv", [*hardware.sensors, "load"]) as file,
-    ):
-        spread = recording.record(line, board, iter([("1",)]), file, 143, said.append)
+    with GrowingCsv(tmp_path / "a.csv", [*hardware.sensors, "load"]) as file:
+        spread = recording.record(
+            TwinBoard(hardware), board, iter([("1",)]), file, 143, said.append
+        )
     codes = hardware.vectors().codes / 8192
     assert spread == pytest.approx(codes.std(axis=0))
     cells = (tmp_path / "a.csv").read_text().splitlines()[1].split(",")
     assert [float(c) for c in cells[:4]] == pytest.approx(codes.mean(axis=0), abs=1e-5)
-
-
-def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
-    """The first two packets come before any image.
-
-    ALL=1 tests more (test_from_placements_to_a_network_on_the_board).
-    """
-    board = Board(hardware, hardware)
-    with open_line("sim", None, board) as line:
-        values = recording.gather(line, board, 1)
-    reader = board.instrument.converter_reader
-    expected = reader.process(reader.converted(hardware.vectors().codes[:1]))
-    assert np.array_equal(values * 8192, expected)
 
 
 HARDWARE = "digit-board"
@@ -205,34 +175,34 @@ def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, 
     listed.write_text("\n".join(["load,position", *rows, ""]))
     names, placements = recording.labels_of(listed)
     readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
-    with TwinBoard(hardware) as simulated, Line(simulated.port, 1_000_000) as line:
-        ask = recording.simulated_ask(simulated, placements, names)
-        with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
-            source = recording.listed(names, placements, ask)
-            recording.record(line, Board(hardware, hardware), source, file, 2, print)
-        assert file.rows == len(rows)
-        # The load in grams, which is outside of the codes.
-        head, *lines = readings.read_text().splitlines()
-        cells = [line.split(",") for line in lines]
-        grams = [",".join([*row[:4], f"{1000 * float(row[4]):g}", row[5]]) for row in cells]
-        readings.write_text("\n".join([head.replace("load", "grams"), *grams, ""]))
+    line = TwinBoard(hardware)
+    ask = recording.simulated_ask(line, placements, names)
+    with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
+        source = recording.listed(names, placements, ask)
+        recording.record(line, Board(hardware, hardware), source, file, 2, print)
+    assert file.rows == len(rows)
+    # The load in grams, which is outside of the codes.
+    head, *lines = readings.read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    grams = [",".join([*row[:4], f"{1000 * float(row[4]):g}", row[5]]) for row in cells]
+    readings.write_text("\n".join([head.replace("load", "grams"), *grams, ""]))
 
-        assert not call("scene", readings, "grams,position", "--to", rig, "--hardware", HARDWARE)
-        text = rig.read_text()
-        assert 'scale = { grams = "auto" }' in text
-        text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", text)
-        rig.write_text(text.replace("restarts = 8", "restarts = 1"))
+    assert not call("scene", readings, "grams,position", "--to", rig, "--hardware", HARDWARE)
+    text = rig.read_text()
+    assert 'scale = { grams = "auto" }' in text
+    text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", text)
+    rig.write_text(text.replace("restarts = 8", "restarts = 1"))
 
-        assert not call("train", rig, "--build", tmp_path / "build", "--workers", 1)
-        mine = Board(load_scene(str(rig)), hardware)
-        assert loading.load(line, mine) == len(scene_image(mine.scene, core).to_bytes())
+    assert not call("train", rig, "--build", tmp_path / "build", "--workers", 1)
+    mine = Board(load_scene(str(rig)), hardware)
+    assert loading.load(line, mine) == len(scene_image(mine.scene, core).to_bytes())
 
-        simulated.place({"load": 0.9, "position": 0.45})
-        line.drop()
-        monitor = Monitor(mine, print)
-        ends = iter([False] * 20 + [True])
-        monitor.listen(line, lambda: next(ends))
-        state = monitor.state()
+    line.place({"load": 0.9, "position": 0.45})
+    line.drop()
+    monitor = Monitor(mine, print)
+    ends = iter([False] * 20 + [True])
+    monitor.listen(line, lambda: next(ends))
+    state = monitor.state()
     engine = Engine.of(mine.scene.mlps(), arrangement=mine.scene.arrangement)
     row = np.abs(recorded.targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
     expected = mine.scene.outputs_in_units(engine.process(recorded.codes[row : row + 1]))
@@ -285,18 +255,13 @@ def test_a_recording_has_the_words_of_a_prediction(path: Path, argmax: str) -> N
     path.write_text(path.read_text().replace("argmax = true", f"argmax = {argmax}"))
     board = board_of(str(path))
     assert board.layout.decides == (argmax == "true")
-    with (
-        TwinBoard(board.scene) as simulated,
-        Line(simulated.port, board.baud) as line,
-        GrowingCsv(Path("all.csv"), csv_columns(board)) as file,
-    ):
+    with GrowingCsv(Path("all.csv"), csv_columns(board)) as file:
         monitor = Monitor(board, print, file)
-        monitor.listen(line, lambda: monitor.decoder.tally.frames >= ROWS)
+        monitor.listen(TwinBoard(board.scene), lambda: monitor.decoder.tally.frames >= ROWS)
     call("predict", path, "hand.csv", "out.csv")
     seen, known = rows_of(Path("all.csv")), rows_of(Path("out.csv"))
     assert len({row["gesture_predicted"] for row in known}) > 1
-    # On a busy machine the first frames may come before the line is there.
-    assert len(seen) >= ROWS
+    assert len(seen) == ROWS
     for row in seen:
         predicted = known[int(row["computed"]) % ROWS]
         for column in ("gesture_predicted", "margin"):

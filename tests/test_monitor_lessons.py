@@ -7,24 +7,23 @@ import re
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from shared import browse
 from test_learning_engine import Desk, sent
-from test_monitor import BAUD, Still, listening, wait
+from test_monitor import Still, listen
 
 from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
+from golden.learning.gradient import Pupil
 from golden.link.packets import lesson_packet
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.monitor.board import Board, Drift
-from tactus.monitor.line import Line
+from tactus.monitor.board import Board
 from tactus.monitor.monitor import NOT_SENT, Monitor
 from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard, TwinLessons
@@ -33,11 +32,12 @@ from tactus.recalibration.folder import corrected
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.scene import Scene, load_scene
+from tactus.scene.building import taught_of
 from tactus.scene.disturbance import Disturbance
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE
 
-DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
+DRIFT = Disturbance(gain=0.03, offset=0.02)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
 
 
@@ -52,8 +52,7 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 
 
 def lessons_of(scene: Scene) -> TwinLessons:
-    core = scene.twin().core
-    return TwinLessons.of(scene, core)
+    return TwinLessons(Pupil(*taught_of(scene), scene.twin().core.placements))
 
 
 def texts(scene: Scene, row: int) -> dict[str, str]:
@@ -97,40 +96,35 @@ DAMAGED = {
     "the check": GOOD[:-1] + bytes([GOOD[-1] ^ 1]),
     "the length": GOOD[:2] + b"\x07" + GOOD[3:],
     "of more codes": lesson_packet(5, True, [1, 2, 3]),
+    "the end": GOOD[:-1],
 }
 
 
 @pytest.mark.parametrize("name", [*SOUND, *DAMAGED])
-@pytest.mark.parametrize("part", [1, 4, 99])
-def test_lessons_are_taken_whole_or_not_at_all(small: Scene, name: str, part: int) -> None:
+def test_lessons_are_taken_whole_or_not_at_all(small: Scene, name: str) -> None:
     lessons, data = lessons_of(small), {**SOUND, **DAMAGED}[name]
-    for at in range(0, len(data), part):
-        lessons.take(data[at : at + part])
+    lessons.take(data)
     sound = name in SOUND
+    lessons.read(np.array([5, -6]))
     assert lessons.flags() == (["learning"] if sound else ["lesson_error"])
+    lessons.read(np.array([7, 8]))
     # An error is that of one packet.
     assert lessons.flags() == (["learning"] if sound else [])
-    lessons.read(np.array([5, -6]))
-    lessons.read(np.array([7, 8]))
     assert lessons.pupil.placements == sound
     if not sound:
         lessons.take(GOOD)
         assert lessons.flags() == ["learning"]
 
 
-def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr("tactus.monitor.twin_board.time", SimpleNamespace(monotonic=lambda: now))
+@pytest.mark.parametrize("later", [DAMAGED["the check"], lesson_packet(4, True)])
+def test_a_packet_takes_the_place_of_one_that_waits(small: Scene, later: bytes) -> None:
+    """Also if it is wrong. Whether to learn stays as the last right one says."""
     lessons = lessons_of(small)
-    for data, flags in ((GOOD[:-1], ["lesson_error"]), (GOOD[:1], []), (b"\xa5\xa5", [])):
-        lessons.take(data)
-        lessons.take(b"")
-        assert lessons.flags() == []
-        now += 1.0
-        lessons.take(b"")
-        assert lessons.flags() == flags
     lessons.take(GOOD)
-    assert lessons.flags() == ["learning"]
+    lessons.take(later)
+    lessons.read(np.array([5, -6]))
+    assert lessons.flags()[-1] == "learning"
+    assert lessons.pupil.placements == 0
 
 
 @pytest.mark.parametrize("end", [SIGNAL.low, SIGNAL.high])
@@ -165,10 +159,9 @@ def teach(monitor: Monitor, simulated: TwinBoard, row: int, **more: bool) -> Non
     known, count = texts(monitor.board.scene, row), simulated.lessons.pupil.placements
     simulated.place(known)
     samples = tuple(simulated.samples[row].tolist())
-    wait(lambda: monitor._newest is not None and monitor._newest.samples == samples)
-    wait(lambda: monitor.state()["line"] == "packets")
+    listen(monitor, simulated, lambda: monitor._newest and monitor._newest.samples == samples)
     monitor.teach({"known": known, **more})
-    wait(lambda: simulated.lessons.pupil.placements == count + 1)
+    listen(monitor, simulated, lambda: simulated.lessons.pupil.placements == count + 1)
 
 
 def worst(scene: Scene, outputs: Codes, shown: list[int]) -> np.ndarray:
@@ -186,28 +179,24 @@ def test_a_board_with_drifted_sensors_is_taught(scene: Scene) -> None:
     board, said = Board(scene, scene), []
     recorded = Sensitivity.of(scene, np.zeros(4))
     rows = [one.row for one in islice(proposed(recorded), 12)]
-    with (
-        TwinBoard(scene, 200.0, drift=replace(DRIFT, seed=4)) as simulated,
-        Line(simulated.port, BAUD) as line,
-    ):
-        monitor, pupil = Monitor(board, said.append), simulated.lessons.pupil
-        before = worst(scene, pupil.process(simulated.samples), rows)
-        with listening(monitor, line):
-            for row in rows:
-                teach(monitor, simulated, row)
-            assert not pupil.steps
-            monitor.teach({"learn": True})
-            wait(lambda: monitor.state()["learning"]["on"])
-            # A slow machine takes longer for all of them than one wait lasts.
-            for steps in range(100, 1300, 100):
-                wait(lambda steps=steps: pupil.steps >= steps)
-            monitor.teach({"learn": False})
-            wait(lambda: not monitor.state()["learning"]["on"])
-            state = monitor.state()
-            # What it sends is what it has learned, and the load is where it was shown last.
-            sample = simulated.samples[rows[-1]][np.newaxis]
-            assert monitor._newest.outputs == tuple(pupil.process(sample)[0].tolist())
-        after = worst(scene, pupil.process(simulated.samples), rows)
+    simulated, monitor = TwinBoard(scene, 0.0, 1, DRIFT, 4), Monitor(board, said.append)
+    pupil = simulated.lessons.pupil
+    before = worst(scene, pupil.process(simulated.samples), rows)
+    for row in rows:
+        teach(monitor, simulated, row)
+    assert not pupil.steps
+    monitor.teach({"learn": True})
+    # A slow machine takes longer for all of them than one wait lasts.
+    for steps in range(100, 1300, 100):
+        listen(monitor, simulated, lambda steps=steps: pupil.steps >= steps)
+    assert monitor.state()["learning"]["on"]
+    monitor.teach({"learn": False})
+    listen(monitor, simulated, lambda: not monitor.state()["learning"]["on"])
+    state = monitor.state()
+    # What it sends is what it has learned, and the load is where it was shown last.
+    sample = simulated.samples[rows[-1]][np.newaxis]
+    assert monitor._newest.outputs == tuple(pupil.process(sample)[0].tolist())
+    after = worst(scene, pupil.process(simulated.samples), rows)
     computer = fit(recorded, placements_of(scene, simulated.samples, rows)).theta
     theirs = recalibrated(scene, recorded, computer, simulated.samples, rows)
     assert (after <= before / 3).all(), (before, after)
@@ -242,19 +231,23 @@ def recalibrated(
 
 def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
     """Over the line, there and back; a reset in between is a board that was never taught."""
-    board, drift = Board(scene, scene), replace(DRIFT, seed=4)
-    with TwinBoard(scene, 200.0, drift=drift) as simulated, Line(simulated.port, BAUD) as line:
-        monitor, pupil = Monitor(board, print), simulated.lessons.pupil
-        with listening(monitor, line):
-            for row in (75, 20):
-                teach(monitor, simulated, row)
-            monitor.teach({"learn": True})
-            wait(lambda: pupil.steps >= 100)
-            monitor.teach({"learn": False})
-            wait(lambda: monitor.state()["learning"]["theta"] == pupil.codes.tolist())
-            wait(lambda: monitor.lessons._found[0] == 2)
-            state = monitor.state()["learning"]
-            samples = simulated.samples[:5]
+    board, simulated = Board(scene, scene), TwinBoard(scene, 0.0, 1, DRIFT, 4)
+    monitor, pupil = Monitor(board, print), simulated.lessons.pupil
+    for row in (75, 20):
+        teach(monitor, simulated, row)
+    monitor.teach({"learn": True})
+    listen(monitor, simulated, lambda: pupil.steps >= 100)
+    monitor.teach({"learn": False})
+    listen(
+        monitor,
+        simulated,
+        lambda: (
+            monitor.state()["learning"]["theta"] == pupil.codes.tolist()
+            and monitor.lessons._found[0] == 2
+        ),
+    )
+    state = monitor.state()["learning"]
+    samples = simulated.samples[:5]
     # Known outputs are sent as codes, and what is found hangs on their last bits.
     placements = placements_of(scene, simulated.samples, [75, 20])
     known = SIGNAL.to_real(SIGNAL.quantise(placements.targets)[0])
@@ -273,17 +266,16 @@ def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
     words = pupil.theta[np.newaxis].repeat(5, axis=0)
     z = SAMPLE.to_real(pupil.taught.samples(words, samples << SAMPLE_SHIFT))
     np.testing.assert_allclose(x + x * gain + offset, z, atol=1e-4)
-    with TwinBoard(scene, 200.0, drift=drift) as simulated, Line(simulated.port, BAUD) as line:
-        monitor, second = Monitor(board, print), simulated.lessons.pupil
-        with listening(monitor, line):
-            wait(lambda: monitor.state()["learning"]["theta"] == [0] * 8)
-            monitor.teach({"theta": state["theta"]})
-            wait(lambda: monitor.state()["learning"]["theta"] == state["theta"])
-            shown = monitor.state()["learning"]
-            outputs = simulated.lessons.pupil.process(samples)
-            simulated.place(texts(scene, 75))
-            (there,) = second.process(simulated.samples[75:76]).tolist()
-            wait(lambda: monitor._newest.outputs == tuple(there))
+    simulated = TwinBoard(scene, 0.0, 1, DRIFT, 4)
+    monitor, second = Monitor(board, print), simulated.lessons.pupil
+    listen(monitor, simulated, lambda: monitor.state()["learning"]["theta"] == [0] * 8)
+    monitor.teach({"theta": state["theta"]})
+    listen(monitor, simulated, lambda: monitor.state()["learning"]["theta"] == state["theta"])
+    shown = monitor.state()["learning"]
+    outputs = second.process(samples)
+    simulated.place(texts(scene, 75))
+    (there,) = second.process(simulated.samples[75:76]).tolist()
+    listen(monitor, simulated, lambda: monitor._newest.outputs == tuple(there))
     assert second.codes.tolist() == state["theta"]
     assert (shown["shown"], shown["on"], second.placements) == (0, False, 0)
     # What is read has not the lowest bits of the words.

@@ -282,8 +282,8 @@ COMMANDS = (
     ),
     Command(
         "monitor",
-        "Shows in the browser what a board sends over the serial line PORT=; PORT=twin and "
-        "PORT=sim simulate a board. HARDWARE= names the scene that the board was built from, if "
+        "Shows in the browser what a board sends over the serial line PORT=; PORT=twin "
+        "simulates a board. HARDWARE= names the scene that the board was built from, if "
         "that is another one. TO= names a CSV file for all that is received, and BAUD= the bits "
         "per second of the line, if they are not those of the scene. DRIFT= lets the sensors of a "
         "simulated board drift, with these standard deviations of gain and offset, and SEED= draws "

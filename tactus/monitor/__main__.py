@@ -4,16 +4,18 @@ import sys
 import time
 from contextlib import ExitStack
 
+from golden.input_error import InputError
 from tactus.core.cli import numbers, run, stop_if_dry_run
 from tactus.core.commands import arguments_of, option
 from tactus.core.progress import CLEAR
-from tactus.monitor.board import Drift, board_of
+from tactus.monitor.board import board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Tour
 from tactus.monitor.load import load
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.ports import open_line, refuse_drift
+from tactus.monitor.ports import open_line
 from tactus.monitor.server import Server
+from tactus.monitor.twin_board import TWIN, TwinBoard
 from tactus.scene.disturbance import MOST, Disturbance
 
 # On a terminal a line with the newest values is shown each so many seconds.
@@ -44,31 +46,31 @@ class Terminal:
         return self.seconds is not None and now - self._began >= self.seconds
 
 
-def drift_of(text: str, seed: int) -> Drift | None:
-    """The drift in a variable; None if it is empty."""
-    found = numbers("DRIFT", text, 2, MOST)
-    return Drift(Disturbance(gain=found[0], offset=found[1]), seed) if found else None
-
-
 def main() -> None:
     arguments = arguments_of("monitor", __doc__, option("SECONDS", kind=float))
-    drift = drift_of(arguments.drift, arguments.seed)
-    if drift:
-        refuse_drift(arguments.port)
+    drift = None
+    if found := numbers("DRIFT", arguments.drift, 2, MOST):
+        drift = Disturbance(gain=found[0], offset=found[1])
+        if arguments.port != TWIN:
+            raise InputError(
+                f"DRIFT=: got PORT={arguments.port}, expected {TWIN}: only the sensors of a "
+                "simulated board drift when they are told to"
+            )
     board = board_of(arguments.scene, arguments.hardware)
     stop_if_dry_run(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
     with ExitStack() as stack:
-        line = stack.enter_context(open_line(arguments.port, arguments.baud, board, drift))
+        line = open_line(arguments.port, arguments.baud, board, drift, arguments.seed)
+        stack.enter_context(line)
         csv = None
         if arguments.to:
             csv = stack.enter_context(GrowingCsv(arguments.to, csv_columns(board)))
-        if line.simulated and board.instrument.reload:
+        if isinstance(line, TwinBoard) and board.instrument.reload:
             print("the simulated board is being loaded", flush=True)
             load(line, board)
         terminal = Terminal(arguments.seconds)
         monitor = terminal.monitor = Monitor(board, terminal.say, csv)
-        if monitor.lessons and line.simulated:
-            monitor.lessons.tour = Tour(board, line.simulated)
+        if monitor.lessons and isinstance(line, TwinBoard):
+            monitor.lessons.tour = Tour(board, line)
         title = f"tactus: {board.scene.name} on {line.label}"
         server = stack.enter_context(Server(title, monitor.state, monitor.actions()))
         terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")

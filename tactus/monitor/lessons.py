@@ -17,7 +17,7 @@ from golden.networks.learning_engine import LearningEngine
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.monitor.board import Board
-from tactus.monitor.line import Simulated
+from tactus.monitor.twin_board import TwinBoard
 from tactus.recalibration.fit import fit
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
@@ -36,7 +36,7 @@ ONE = 1 << (THETA.frac - OUTPUT_SHIFT)
 class Tour:
     """Places a simulated board where ``make recalibrate`` proposes, one after the other."""
 
-    def __init__(self, board: Board, simulated: Simulated) -> None:
+    def __init__(self, board: Board, simulated: TwinBoard) -> None:
         self._scene, self._simulated = board.scene, simulated
         recorded = Sensitivity.of(board.scene, np.zeros(len(board.scene.sensors)))
         self._rows = cycle(one.row for one in proposed(recorded))

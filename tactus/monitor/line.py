@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import termios
 import time
-from collections.abc import Mapping
 from contextlib import suppress
-from typing import Protocol
 
 import serial
 from serial.tools import list_ports
@@ -19,37 +17,28 @@ PAUSE = 0.1
 FAULTS = (OSError, ValueError, termios.error)
 
 
-class Simulated(Protocol):
-    port: str
-
-    def place(self, targets: Mapping[str, str | float]) -> None:
-        """Stay at the recorded row whose outputs are nearest to these."""
-
-
-class Line:
+class SerialLine:
     """A serial port with 8 bits, no parity and one stop bit.
 
-    name: The system's name of the port, such as ``/dev/ttyUSB0``.
-    label: The name that a user gives the port, if it is another one.
+    label: The system's name of the port, such as ``/dev/ttyUSB0``.
 
     cut: Why the port is gone; empty while it is open.
-    simulated: The simulated board behind the port, if there is one.
     silence, patience: After ``silence`` seconds without a packet this is reported. After
         ``patience`` seconds a command that needs a packet gives up.
     """
 
-    def __init__(self, name: str, baud: int, label: str = "") -> None:
-        self.name, self.baud, self.label = name, baud, label or name
+    silence, patience = 2.0, 10.0
+
+    def __init__(self, label: str, baud: int) -> None:
+        self.label, self.baud = label, baud
         self.cut = ""
-        self.simulated: Simulated | None = None
-        self.silence, self.patience = 2.0, 10.0
         self._port: serial.Serial | None = None
         try:
             self._port = self._opened()
         except FAULTS as error:
             raise InputError(f"PORT={self.label}: cannot be opened: {_reason(error)}") from None
 
-    def __enter__(self) -> Line:
+    def __enter__(self) -> SerialLine:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -89,7 +78,7 @@ class Line:
 
     def _opened(self) -> serial.Serial:
         # Two programs that read one port would each get a part of the bytes.
-        return serial.Serial(self.name, self.baud, timeout=PAUSE, exclusive=True)
+        return serial.Serial(self.label, self.baud, timeout=PAUSE, exclusive=True)
 
     def _back(self) -> bool:
         try:
@@ -124,7 +113,7 @@ def _reason(error: Exception) -> str:
     number = number if isinstance(number, int) else None
     text = str(error)
     if number == 2 or "No such file" in text:
-        return f"no such port; there is {ports_there()}"
+        return f"no such port; there is {ports_there()}, and PORT=twin without a board"
     if number == 13:
         return "permission denied; on Debian: sudo adduser $USER dialout, then log in anew"
     if "exclusively lock" in text:

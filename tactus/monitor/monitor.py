@@ -16,7 +16,7 @@ from golden.numbers.real import Real
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Lessons
-from tactus.monitor.line import Line
+from tactus.monitor.ports import Line
 
 # The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")

@@ -19,8 +19,8 @@ from tactus.core.finding import fault, refuse
 from tactus.core.table import read_csv_file
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv, refuse_there
-from tactus.monitor.line import Line, Simulated
-from tactus.monitor.ports import SIMULATED, TWIN, open_line
+from tactus.monitor.ports import Line, open_line
+from tactus.monitor.twin_board import TWIN, TwinBoard
 from tactus.scene import Scene
 
 # The first packets may still belong to the placement before: one in the board, one on the line.
@@ -211,7 +211,7 @@ def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
 
 
 def simulated_ask(
-    simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
+    simulated: TwinBoard, placements: Sequence[Placement], outputs: Sequence[str]
 ) -> Callable[[str], str]:
     """A question that touches the simulated board at the next placement, so nobody need answer."""
     rows = iter(placements)
@@ -236,7 +236,7 @@ def main() -> None:
         if same_file(labels, to):
             raise InputError(f"TO={to}: is read by this command, expected another file")
         outputs, placements = labels_of(labels, board.scene.outputs)
-        check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
+        check_labels(outputs, labels, board.scene, arguments.port == TWIN)
     stop_if_dry_run(f"record readings from {arguments.port} into {to}")
     with (
         open_line(arguments.port, arguments.baud, board) as line,
@@ -248,8 +248,8 @@ def main() -> None:
             read = read_label if board.scene.labels else read_placement
             source = typed(outputs, ask, print, read)
         else:
-            if line.simulated:
-                ask = simulated_ask(line.simulated, placements, outputs)
+            if isinstance(line, TwinBoard):
+                ask = simulated_ask(line, placements, outputs)
             source = listed(outputs, placements, ask)
         try:
             spread = record(line, board, source, csv, arguments.frames, print)

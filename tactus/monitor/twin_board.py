@@ -1,121 +1,161 @@
-"""A board that is made of twins, behind a pseudo-terminal instead of a serial port.
+"""A board that is made of twins: ``PORT=twin``.
 
-It sends packets as fast as is asked for. It answers images and lessons as the hardware does, and
-its cable can be cut. ``PORT=twin`` is such a board at the packet rate of the real one, so that
-everything is seen at its own speed, except that it learns slower.
+It sends the packets that the hardware would send, at its rate, and answers images and lessons as
+the hardware does. So everything is seen at its own speed, except that it learns slower.
 """
 
 from __future__ import annotations
 
-import os
-import select
-import threading
 import time
-import tty
 from collections.abc import Mapping
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from golden.engine.image import Image
+from golden.input_error import InputError
 from golden.layers.argmax import Argmax
 from golden.learning.gradient import Pupil
-from golden.link.lesson_receiver import LessonReceiver
-from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
+from golden.link.lesson_receiver import LessonReceiver, Taught
+from golden.link.packets import Frame, image_packet, lesson_packet
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.monitor.board import Board, Drift, nearest_row, samples_of
+from tactus.monitor.board import Board
+from tactus.monitor.line import PAUSE
 from tactus.scene import Scene
 from tactus.scene.building import taught_of
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.labels import one_hot
+from tactus.scene.scale import signals
+from tactus.scene.vectors import read_recorded
 
-# The board looks for something to do each so many seconds.
-PAUSE = 0.01
+TWIN = "twin"
 # A board that learns does it for so many seconds between two packets. A step takes a computer far
 # longer than the board, so there is no room for more packets.
 LEARN_SECONDS = 0.02
-_HEADER = 4
+# Packets that were not read in time wait, but no more of them are read at once.
+MOST_PACKETS = 100
+IMAGE_HEADER = len(image_packet(b"\0")) - 1
+
+
+def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:
+    """The recorded row whose outputs are nearest to these; each counts in parts of its range.
+
+    With classes it is the first row of the label that is given for their column.
+    """
+    if scene.labels and scene.classes in targets:
+        label = str(targets[scene.classes])
+        if label not in scene.labels:
+            raise InputError(
+                f"{scene.path}: data.classes: got no row of {label!r}, expected one of "
+                f"{', '.join(scene.labels)}: a simulated board can only be touched as in its "
+                "recording"
+            )
+        targets = dict(zip(scene.outputs, one_hot([label], scene.labels)[0].tolist(), strict=True))
+    for name in targets:
+        if name not in scene.outputs:
+            raise InputError(
+                f"{scene.path}: data.outputs: got no {name!r}, expected that of a placement: a "
+                "simulated board can only be touched at placements of its recording"
+            )
+    recorded = read_recorded(scene).targets[:, [scene.outputs.index(name) for name in targets]]
+    ranges = np.ptp(recorded, axis=0)
+    asked = np.array([float(value) for value in targets.values()])
+    far = (recorded - asked) / np.where(ranges > 0, ranges, 1.0)
+    return int(np.argmin((far**2).sum(axis=1)))
 
 
 class TwinBoard:
-    """A board on a pseudo-terminal that plays the recording of a scene, one row after the other.
+    """A board with its line, which plays the recording of a scene, one row after the other.
+
+    It is used as a ``SerialLine`` is, whose cable nobody cuts.
 
     scene: The scene with the hardware, the networks and the recording.
-    rate: Packets per second; with 0, as many as are read.
+    rate: Packets per second; with 0, one whenever the line is read.
     hold: How many packets each row is played for.
-    drift: How far its sensors have drifted since the recording.
+    drift, seed: Standard deviations of the gains, and of the offsets as signals, by which the
+        sensors have drifted since the recording; gains and offsets are drawn from the seed.
 
-    port: The path to open as a serial port.
     samples, shape (rows, sensors): Codes of what its sensors read in each row of the recording.
     lessons: What it does with lessons; None for a board that does not learn.
     """
 
+    label, cut = TWIN, ""
+    silence, patience = 2.0, 10.0
+
     def __init__(
-        self, scene: Scene, rate: float = 0.0, hold: int = 1, drift: Drift | None = None
+        self,
+        scene: Scene,
+        rate: float = 0.0,
+        hold: int = 1,
+        drift: Disturbance | None = None,
+        seed: int = 1,
     ) -> None:
+        board = Board(scene, scene)
         self.scene, self.rate, self.hold = scene, rate, hold
-        self.layout = Board(scene, scene).layout
-        self.samples = samples_of(scene, drift)
+        self.layout, self.baud = board.layout, board.baud
+        read = signals(read_recorded(scene).sensors, scene.scales(scene.sensors))
+        if drift:
+            read = drift.of(read, np.random.default_rng(seed))
+        self.samples: Codes = SIGNAL.quantise(read, "readings")[0]
         self._visualisation = scene.visualisation
         self._row: int | None = None
-        self._noise = b""
-        self._error = False
-        self._received = bytearray()
-        self._folder = TemporaryDirectory()
-        self.port = str(Path(self._folder.name) / "board")
-        self._stop = threading.Event()
-        self._lock = threading.Lock()
-        self._ends: tuple[int, int] | None = None
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        core = scene.twin().core
-        self.lessons = TwinLessons.of(scene, core) if isinstance(core, LearningEngine) else None
-        self._engine = core if isinstance(core, Engine) and core.loaded else None
+        self._sent = self._computed = 0
+        self._next = time.monotonic()
+        self._core = core = board.instrument.core
+        self.lessons = None
+        if isinstance(core, LearningEngine):
+            self.lessons = TwinLessons(Pupil(*taught_of(scene), core.placements))
         # An engine that can be loaded computes nothing before an image comes.
-        self._runs = self._engine is None
+        self._runs = not (isinstance(core, Engine) and core.loaded)
+        self._error = False
         self._compute()
 
     def __enter__(self) -> TwinBoard:
-        self.mend()
-        self._thread.start()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._stop.set()
-        self._thread.join()
-        self.cut()
-        self._folder.cleanup()
-
-    def start(self) -> None:
-        """Run as if the image of the scene had been loaded."""
-        self._runs = True
+        """Nothing is open."""
 
     def place(self, targets: Mapping[str, str | float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
         self._row = nearest_row(self.scene, targets)
 
-    def noise(self, data: bytes) -> None:
-        """Put bytes on the line, between two packets."""
-        with self._lock:
-            self._noise += data
+    def drop(self) -> None:
+        """Forget the packets that are due."""
+        self._next = max(self._next, time.monotonic())
 
-    def cut(self) -> None:
-        """Pull the plug."""
-        with self._lock:
-            ends, self._ends = self._ends, None
-            Path(self.port).unlink(missing_ok=True)
-            for end in ends or ():
-                os.close(end)
+    def read(self) -> bytes:
+        """The packets that are due; none if that takes longer than ``PAUSE``."""
+        if self.lessons and self.lessons.busy:
+            self.lessons.learn_for(LEARN_SECONDS)
+            # A packet that cannot be sent meanwhile is not sent later.
+            self.drop()
+        late = time.monotonic() - self._next
+        if late < 0:
+            time.sleep(min(-late, PAUSE))
+        if late < -PAUSE:
+            return b""
+        count = 1 + min(int(max(late, 0) * self.rate), MOST_PACKETS)
+        self._next += count / self.rate if self.rate else 0
+        return b"".join(self.layout.to_bytes(self._frame()) for _ in range(count))
 
-    def mend(self) -> None:
-        """Put the plug in again."""
-        board, computer = os.openpty()
-        tty.setraw(board)
-        os.set_blocking(board, False)
-        with self._lock:
-            self._ends = (board, computer)
-            Path(self.port).symlink_to(os.ttyname(computer))
+    def write(self, data: bytes) -> None:
+        """Take a packet: a lesson, or an image."""
+        if self.lessons:
+            self.lessons.take(data)
+        elif isinstance(self._core, Engine) and self._core.loaded:
+            self._load(self._core, self._core.loaded, data[IMAGE_HEADER:])
+
+    def _load(self, engine: Engine, loaded: Image, image: bytes) -> None:
+        found = engine.image_loader.judge(image)
+        self._error, self._runs = found is None, found is not None
+        if found is not None:
+            before_last, words = found
+            inputs = (before_last + 2) % (1 << engine.image_loader.operand_addr_width)
+            self._core = engine.running(Image(loaded.sizes, inputs, tuple(words)))
+            self._compute()
 
     def _compute(self) -> None:
         rows = len(self.samples)
@@ -135,8 +175,7 @@ class TwinBoard:
             outputs = self.lessons.pupil.process(self.samples[rows])
             self._changes[rows] = self.lessons.pupil.changes
         else:
-            core = self._engine if self._engine else self.scene.twin().core
-            outputs = core.process(self.samples[rows])
+            outputs = self._core.process(self.samples[rows])
         self._outputs[rows, : outputs.shape[1]] = outputs
         if outputs.shape[1] > 1:
             winners = Argmax(SIGNAL, outputs.shape[1]).process(outputs)
@@ -145,107 +184,30 @@ class TwinBoard:
             results = self._outputs[rows, list(self._visualisation.results)]
             self._ramp, self._profile[rows] = self._visualisation.load_profile.process(results)
 
-    def _run(self) -> None:
-        began, line = time.monotonic(), b""
-        sent = computed = 0
-        turn = True
-        while not self._stop.is_set():
-            line = self._exchange(line)
-            late = time.monotonic() - began - sent / self.rate if self.rate else 0.0
-            if self.lessons and self.lessons.busy and (turn or late < 0):
-                self.lessons.learn_for(LEARN_SECONDS)
-                # A packet that cannot be sent meanwhile is not sent later.
-                began += max(0.0, late)
-                turn = False
-                continue
-            turn = True
-            if line:
-                continue
-            if late < 0:
-                time.sleep(PAUSE)
-                continue
-            with self._lock:
-                line, self._noise = self._noise, b""
-            line += self.layout.to_bytes(self._frame(sent, computed))
-            computed += self._runs
-            sent += 1
-
-    def _frame(self, number: int, computed: int) -> Frame:
-        row = self._row
+    def _frame(self) -> Frame:
+        number, row = self._sent, self._row
         if row is None:
             row = number // self.hold % len(self.samples)
+        flags = ["frame_error"] * (not self._runs) + ["image_error"] * self._error
+        theta = point = winner = None
         if self.lessons:
-            self.lessons.read(self.samples[row])
             if self._changes[row] != self.lessons.pupil.changes:
                 self._compute_rows(slice(row, row + 1))
-        point = None
+            self.lessons.read(self.samples[row])
+            flags += self.lessons.flags()
+            theta = self.lessons.element(number)
         if self._visualisation:
             at = number % len(self._ramp)
             point = (at, int(self._ramp[at]), int(self._profile[row, at]))
-        flags = (
-            *["frame_error"] * (not self._runs),
-            *["image_error"] * self._error,
-            *(self.lessons.flags() if self.lessons else ()),
-        )
-        samples = tuple(self.samples[row].tolist())
-        outputs = tuple((self._outputs[row] * self._runs).tolist())
-        winner = None
         if self.layout.decides:
             index, margin = (self._winners[row] * self._runs).tolist()
             winner = (index, margin)
-        theta = self.lessons.element(number) if self.lessons else None
-        return Frame(number % 256, flags, computed % 65536, samples, outputs, point, winner, theta)
-
-    def _exchange(self, line: bytes) -> bytes:
-        """Send what the line takes, take what has come, and return what is still to be sent."""
-        with self._lock:
-            if self._ends is None:
-                time.sleep(PAUSE)
-                return b""
-            board = self._ends[0]
-            pause = 0.0 if self.lessons and self.lessons.busy and not line else PAUSE
-            reads, writes, _ = select.select([board], [board] if line else [], [], pause)
-            data = os.read(board, 4096) if reads else b""
-            if self.lessons:
-                self.lessons.take(data)
-            else:
-                self._take(data)
-            if not writes:
-                return line
-            try:
-                return line[os.write(board, line) :]
-            except BlockingIOError:
-                return line
-
-    def _take(self, data: bytes) -> None:
-        """Take bytes from the computer, and load an image when all of it has come."""
-        self._received += data
-        start = self._received.find(bytes([SYNC, kind_byte(IMAGE)]))
-        if start < 0:
-            return
-        del self._received[:start]
-        length = int.from_bytes(self._received[2:_HEADER], "big")
-        if len(self._received) < _HEADER + length or len(self._received) < _HEADER:
-            return
-        image = bytes(self._received[_HEADER : _HEADER + length])
-        del self._received[: _HEADER + length]
-        if self._engine is None:
-            return
-        found = self._engine.image_loader.judge(image)
-        self._error, self._runs = found is None, found is not None
-        if found is not None:
-            before_last, words = found
-            sizes = self._engine.image_loader
-            inputs = (before_last + 2) % (1 << sizes.operand_addr_width)
-            assert self._engine.loaded is not None, "an engine that can be reloaded holds an image"
-            loaded = Image(self._engine.loaded.sizes, inputs, tuple(words))
-            self._engine = self._engine.running(loaded)
-            self._compute()
-
-
-# After so many seconds without a byte a lesson is dropped. The board waits for less than a
-# millisecond, but the system may pause between two bytes of a computer that sends them together.
-IDLE_SECONDS = 0.2
+        samples = tuple(self.samples[row].tolist())
+        outputs = tuple((self._outputs[row] * self._runs).tolist())
+        count = self._computed % 65536
+        self._sent += 1
+        self._computed += self._runs
+        return Frame(number % 256, tuple(flags), count, samples, outputs, point, winner, theta)
 
 
 class TwinLessons:
@@ -257,19 +219,13 @@ class TwinLessons:
     def __init__(self, pupil: Pupil) -> None:
         self.pupil = pupil
         self.learn = False
-        # The known outputs, or the theta, that wait for the end of a frame.
-        self._known: Codes | None = None
-        self._theta: Codes | None = None
         self._lesson_error = self._learn_error = False
-        # Bytes come one after the other here, so a clock without one ends a packet.
-        outputs, elements = pupil.taught.outputs, len(pupil.theta)
-        self._receiver = LessonReceiver(outputs, elements, idle_clocks=1)
-        self._packet = b""
-        self._place, self._byte_at = 0, 0.0
-
-    @classmethod
-    def of(cls, scene: Scene, core: LearningEngine) -> TwinLessons:
-        return cls(Pupil(*taught_of(scene), core.placements))
+        # The bytes of a packet come together, so a clock without one ends it.
+        self._receiver = LessonReceiver(pupil.taught.outputs, len(pupil.theta), idle_clocks=1)
+        # What has come since the frame before, in each clock a byte or -1. A packet that stands for
+        # all earlier ones comes first.
+        self._received: list[int] = []
+        self._taught: Taught | None = None
 
     @property
     def busy(self) -> bool:
@@ -277,30 +233,33 @@ class TwinLessons:
         return self.learn and self.pupil.placements > 0
 
     def take(self, data: bytes) -> None:
-        """Take the bytes that have come from the computer, maybe none."""
-        now = time.monotonic()
-        if not data and self._packet and now - self._byte_at > IDLE_SECONDS:
-            # Before the kind is known, it is no lesson.
-            self._lesson_error |= self._place > 1
-            self._packet = b""
-        for byte in data:
-            self._packet += bytes([byte])
-            self._byte_at = now
-            self._judge()
+        """Take a packet from the computer; its known outputs or its theta wait for a frame."""
+        self._received += [*data, -1]
+        column = np.append(self._received, [-1] * (1 + self._receiver.codes))
+        ends = np.arange(len(column)) == len(self._received)
+        none = np.zeros(len(column))
+        self._taught = self._receiver.process(column >= 0, column, ends, none + 1, none)
+        self.learn = bool(self._taught.learn[-1])
 
     def read(self, samples: Codes) -> None:
-        """A frame is computed from these samples; known outputs that wait are kept with them.
+        """End a frame that was computed from these samples; known outputs that wait are kept.
 
-        Theta that waits is in use behind it. With a sample at an end of its range both are refused.
+        Theta that waits is in use from then on. With a sample at an end of its range both are
+        refused.
         """
-        if np.isin(samples, (SIGNAL.low, SIGNAL.high)).any():
-            self._lesson_error |= self._known is not None or self._theta is not None
-            self._known = self._theta = None
-        if self._known is not None:
-            self.pupil.keep(samples, self._known)
-        if self._theta is not None:
-            self.pupil.put(self._theta)
-        self._known = self._theta = None
+        taught, self._taught = self._taught, None
+        if taught is None:
+            return
+        self._received = [*lesson_packet(self._receiver.codes, self.learn), -1]
+        codes = taught.target_data[taught.target_valid]
+        refused = len(codes) > 0 and np.isin(samples, (SIGNAL.low, SIGNAL.high)).any()
+        self._lesson_error |= bool(taught.lesson_error.any() or refused)
+        if refused or not len(codes):
+            return
+        if taught.target_theta.any():
+            self.pupil.put(codes)
+        else:
+            self.pupil.keep(samples, codes)
 
     def element(self, number: int) -> tuple[int, int]:
         """Number and code of the element of theta in a packet of this number."""
@@ -317,33 +276,3 @@ class TwinLessons:
         errors = {"lesson_error": self._lesson_error, "learn_error": self._learn_error}
         self._lesson_error = self._learn_error = False
         return [name for name, on in {**errors, "learning": self.learn}.items() if on]
-
-    def _judge(self) -> None:
-        """Look at the packet so far. Behind it a frame ends, so that its codes leave."""
-        count = len(self._packet)
-        none = np.zeros(count, dtype=np.int64)
-        behind = np.zeros(1 + self._receiver.codes, dtype=np.int64)
-        ends = np.append(none, behind)
-        ends[count] = 1
-        taught = self._receiver.process(
-            np.append(none + 1, behind),
-            np.append(list(self._packet), behind),
-            ends,
-            np.append(none, behind + 1),
-            np.append(none, behind),
-        )
-        self._place = int(taught.place[count])
-        if self._place:
-            return
-        self._packet = b""
-        self._lesson_error |= bool(taught.lesson_error[count])
-        if taught.lesson_error[count] or taught.place[count - 1] < self._receiver.packet_bytes - 1:
-            return
-        self.learn = bool(taught.learn[count])
-        # A packet takes the place of one that waits.
-        self._known = self._theta = None
-        codes = taught.target_data[count + 1 :][taught.target_valid[count + 1 :]]
-        if taught.target_theta[count + 1 :].any():
-            self._theta = codes
-        elif len(codes):
-            self._known = codes
