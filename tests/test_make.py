@@ -594,7 +594,6 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
             "tactus.certify same.toml",
             "tactus.verify.sign_off.mutate --scene=same.toml",
             "tactus.verify.sign_off.mutate --block=abs_unit",
-            "tactus.verify.sign_off.coverage --block=abs_unit",
             "tactus.verify.sim --block=abs_unit --netlist=1 --record",
         ],
     ),

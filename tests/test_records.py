@@ -23,8 +23,7 @@ from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
 from tactus.verify.benches.collected import BENCHES, PROOFS, properties_of
 from tactus.verify.benches.runner import Job, run_job
-from tactus.verify.sign_off import coverage, equal, prove, record
-from tactus.verify.sign_off.coverage import named_by
+from tactus.verify.sign_off import equal, prove, record
 from tactus.verify.sign_off.equal import Pair, compare, netlist_of
 from tactus.verify.sign_off.equal_netlist import list_lengths, synthesise, to_verilog
 from tactus.verify.sign_off.netlist import KIND as NETLIST
@@ -60,12 +59,10 @@ def test_records_of_a_case_are_of_this_verilog(shared: Shared, name: str) -> Non
     block = name.partition(".")[0]
     job = shared.subject(block, case=NAMES[name])
     now = verilog(job)
-    found = [of_this_verilog(kind, name, now) for kind in ("mutation", coverage.KIND, UNKNOWN)]
-    assert found == [""] * 3
+    found = [of_this_verilog(kind, name, now) for kind in ("mutation", UNKNOWN)]
+    assert found == [""] * 2
     score = read_record("mutation", name)
     assert (score["entity"], score["scene"]) == (job.entity, job.scene.name)
-    again = f"the twin names something else; run: make coverage BLOCK={block} RECORD=1"
-    assert read_record(coverage.KIND, name)["named"] == short(named_by(job.twin)), again
     registers = read_record(UNKNOWN, name)
     assert registers["passed"]
     assert bool(registers["control"]) == bool(registers["reset"])
@@ -220,13 +217,6 @@ def test_a_stale_record_names_the_command(rows: Job, tmp_path: Path, monkeypatch
     assert all(
         record.PROVE.format("output_controller") in text for text in (missing, stale, lacking)
     )
-
-
-def test_another_border_is_another_source(shared: Shared, monkeypatch) -> None:
-    job = shared.subject("abs_unit")
-    before = named_by(job.twin)
-    monkeypatch.setattr(AbsUnit, "borders", property(lambda _: (Border("another", "code", 3),)))
-    assert named_by(job.twin) != before
 
 
 class Counter(Block):

@@ -33,7 +33,7 @@ from tactus.verify.benches.collected import BENCHES, CASES_OF
 from tactus.verify.benches.places import blocks_in, places
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
-from tactus.verify.sign_off.mutate.score import score_state
+from tactus.verify.sign_off.mutate import score
 
 FILE = "exported.v"
 
@@ -347,7 +347,7 @@ def changed(before: dict, after: dict) -> set:
 
 def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
     benches, report = sources.benches(), sources.report()
-    score = score_state("netlists", "trace", [], [])
+    proofs = score._scripts("same")
     for file in (
         TWIN,
         "tb/layers/tb_output_controller.py",
@@ -360,10 +360,10 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
     sources.add("tactus/report/draw/svg.py", CODE)
     assert changed(benches, sources.benches()) == set()
     assert changed(report, sources.report()) == set()
-    assert score_state("netlists", "trace", [], []) == score
+    assert score._scripts("same") == proofs
     sources.add("tactus/verify/sign_off/mutate/same.py", CODE)
     Copy.forget()
-    assert score_state("netlists", "trace", [], []) != score
+    assert score._scripts("same") != proofs
 
 
 def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> None:

@@ -144,7 +144,6 @@ BAUD = number("BAUD", 300, 12_000_000)
 PORT = word("PORT", "/dev/ttyUSB0", default="", needed=True)
 HARDWARE = option("HARDWARE", "scene")
 RECORD = flag("RECORD")
-ALL = flag("ALL")
 FULL = flag("FULL")
 FORCE = flag("FORCE")
 TESTS = option("TESTS", "tests/test_x.py")
@@ -162,7 +161,7 @@ COMMANDS = (
         "test",
         "Runs the tests: all, those that TESTS= names, those that name the block of BLOCK=, or "
         "with PAGES=1 those of the documentation. ALL=1 adds what takes longer.",
-        (TESTS, BLOCK, flag("PAGES"), ALL),
+        (TESTS, BLOCK, flag("PAGES"), flag("ALL")),
     ),
     Command(
         "sim",
@@ -394,18 +393,11 @@ COMMANDS = (
     ),
     Command(
         "mutate",
-        "Counts how many random faults (mutants) of a block its bench detects; ALL=1 tries the "
-        "recorded ones again, SCENE= takes the entities of a scene, SEED= draws other mutants, and "
-        "RECORD=1 records the result.",
-        (BLOCK, option("SCENE"), ALL, RECORD, SEED),
+        "Counts how many random faults (mutants) of a block its bench detects; SCENE= "
+        "takes the entities of a scene, SEED= draws other mutants, and RECORD=1 records the "
+        "result.",
+        (BLOCK, option("SCENE"), RECORD, SEED),
         "tactus.verify.sign_off.mutate",
-    ),
-    Command(
-        "coverage",
-        "Counts how often each bench reaches the borders and states of its block. RECORD=1 records "
-        "the counts.",
-        (BLOCK, RECORD),
-        "tactus.verify.sign_off.coverage",
     ),
     Command(
         "certify",

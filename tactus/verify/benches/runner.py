@@ -29,7 +29,7 @@ from tactus.core.progress import Progress
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
 from tactus.verify.benches.places import check_block
-from tactus.verify.benches.simulate import RESULTS, Run, analyse, simulate, simulated_time
+from tactus.verify.benches.simulate import Run, analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS, check_simulator, language
 from tb.common.bench import CONFIGURATION
 from tb.common.bench_input import BenchInput
@@ -314,12 +314,6 @@ def run_job(job: Job) -> Outcome:
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome
-
-
-def shortest_test(job: Job) -> str:
-    """The shortest test of a job that has run, by the simulated time; empty if it has only one."""
-    times = simulated_time(job.build_folder / RESULTS)
-    return min(times, key=lambda test: times[test]) if len(times) > 1 else ""
 
 
 def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:

@@ -209,7 +209,6 @@ def source(job: Job, played: dict[str, str]) -> dict[str, Any]:
 
 # The command that makes each kind of record anew, if the record depends on a bench.
 COMMANDS = {
-    "coverage": "make coverage BLOCK={} RECORD=1",
     "mutation": "make mutate BLOCK={} RECORD=1",
     "netlist": "make sim NETLIST=1 RECORD=1 BLOCK={}",
     "unknown": "make sim NETLIST=unknown RECORD=1 BLOCK={}",

@@ -19,7 +19,6 @@ from tactus.verify.sign_off.record import (
     cases_line,
     chosen_blocks,
     hold_recorded,
-    recorded,
     recorded_subjects,
     subjects_of,
     write_record,
@@ -72,12 +71,10 @@ def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
     found = True
 
     def work(name: str, job: Job) -> dict[str, Any]:
-        before = None if arguments.scene or arguments.all else recorded(KIND, name)
-
         def tell(text: str) -> None:
             print(f"{name}: {text}", flush=True)
 
-        facts = score(job, seed=arguments.seed, before=before, tell=tell)
+        facts = score(job, seed=arguments.seed, tell=tell)
         if arguments.record:
             write_record(KIND, name, facts)
         return facts

@@ -5,8 +5,7 @@
 2. This trace is replayed on each mutant, in plain Verilog, up to the first difference where the
    bench looked.
 3. A bench may look at a value without comparing it. So the bench itself runs on a few of the
-   mutants that differ, at least one for each port that did. Its shortest test runs first, and the
-   whole bench only if that passes. If the bench passes on one of these, it runs on all that differ.
+   mutants that differ, at least one for each port that did; and on all if it passes on one.
 4. Mutants that do not differ are proved equivalent, or the bench itself runs on them, too. For an
    explained mutant only the proof within one clock is tried.
 """
@@ -28,11 +27,10 @@ from tactus.core.closure import code
 from tactus.synth.tools import digest, version_of
 from tactus.verify.benches.collected import mutated_parts
 from tactus.verify.benches.kept_results import bench_key
-from tactus.verify.benches.runner import Job, run_job, shortest_test
+from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.benches.tools import version
 from tactus.verify.sign_off.mutate.mutants import (
     explain,
-    explanations,
     given,
     make_mutants,
     population,
@@ -40,7 +38,7 @@ from tactus.verify.sign_off.mutate.mutants import (
 )
 from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import SAME, proved
-from tactus.verify.sign_off.record import short, source
+from tactus.verify.sign_off.record import source
 
 COUNT = 200
 SEED = 1
@@ -50,7 +48,6 @@ SAMPLE = 3
 SCRIPTS = {
     "replay": ("mutants", "replay"),
     "same": ("mutants", "flat", "same"),
-    "score": ("mutants", "flat", "replay", "same"),
 }
 
 
@@ -104,21 +101,8 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
     return trace, outcome.facts["played"]
 
 
-def first_test(subject: Subject) -> str:
-    """The test that runs first on mutants: the shortest one, after ``record_trace``.
-
-    It is empty where the bench has only one test. It is also empty where the shortest one fails
-    alone on the sound hardware, because it would detect every mutant then.
-    """
-    test = shortest_test(subject.job)
-    return test if test and run_job(replace(subject.job, test=test)).passed else ""
-
-
-def run_bench(subject: Subject, number: int, first: str = "") -> bool:
-    """Whether the bench itself detects a mutant; one that stops the simulator is detected.
-
-    The test ``first`` runs alone, if there is one. Only if it passes, all tests run.
-    """
+def run_bench(subject: Subject, number: int) -> bool:
+    """Whether the bench itself detects a mutant; one that stops the simulator is detected."""
 
     def work() -> bool:
         with tempfile.TemporaryDirectory() as name:
@@ -127,11 +111,9 @@ def run_bench(subject: Subject, number: int, first: str = "") -> bool:
             shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
             for part in subject.parts:
                 (job.hdl_folder / f"{part}.v").write_text("", encoding="ascii")
-            tests = dict.fromkeys((first, ""))
-            return any(not run_job(replace(job, test=test)).passed for test in tests)
+            return not run_job(job).passed
 
-    bench = bench_key(subject.job).parts
-    asked = store.key("mutant", **bench, first=first, netlist=subject.netlists[number])
+    asked = store.key("mutant", **bench_key(subject.job).parts, netlist=subject.netlists[number])
     found: bool = store.cached(asked, work)
     return found
 
@@ -149,24 +131,15 @@ def score(
     job: Job,
     count: int = COUNT,
     seed: int = SEED,
-    before: dict[str, Any] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
-    """How many mutants of an entity are detected, and what becomes of the others.
-
-    ``before`` is an earlier result; it is taken again if netlist and trace have not changed.
-    """
+    """How many mutants of an entity are detected, and what becomes of the others."""
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
         trace, played = record_trace(subject)
-        patterns = explanations(job.block, job.scene.name)
-        state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
         possible = population([job.entity, *subject.parts], seed, subject.folder)
         tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
-        if before and before.get("digest") == short(state):
-            found = before
-        else:
-            found = _found(subject, trace, seed, pool, tell)
+        found = _found(subject, trace, seed, pool, tell)
     survivors = [
         one | {"explained": explain(job.block, job.scene.name, one["what"])}
         for one in found["survivors"]
@@ -174,7 +147,6 @@ def score(
     excused = sum(bool(one["explained"]) for one in survivors)
     return found | {
         **source(job, played),
-        "digest": state,
         "scene": job.scene.name,
         "entity": job.entity,
         "seed": seed,
@@ -205,20 +177,19 @@ def _found(
         found: list[str] = store.cached(asked, lambda: replay(trace, subject.sources(number)))
         return found
 
-    def found_by_bench(asked: list[int], first: str = "") -> list[int]:
-        answers = pool.map(lambda number: run_bench(subject, number, first), asked)
+    def found_by_bench(asked: list[int]) -> list[int]:
+        answers = pool.map(lambda number: run_bench(subject, number), asked)
         return [number for number, red in zip(asked, answers, strict=True) if red]
 
     seen = pool.map(play, numbers)
     differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
     tell(f"{len(differ)} differ")
     asked = sample(differ, seed)
-    first = first_test(subject)
-    confirmed = found_by_bench(asked, first)
+    confirmed = found_by_bench(asked)
     if len(confirmed) < len(asked):
         tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
         asked = sorted(differ)
-        differ = {n: differ[n] for n in found_by_bench(asked, first)}
+        differ = {n: differ[n] for n in found_by_bench(asked)}
     left = [n for n in numbers if n not in differ]
     places = {n: describe(mutants[n - 1], subject.folder) for n in left}
     block, case = subject.job.block, subject.job.scene.name
@@ -227,7 +198,6 @@ def _found(
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
     tell(f"{len(same)} are proved equivalent, {len(left)} are left")
-    # The bench passes on most of these, so all of its tests run anyway.
     late = found_by_bench(left)
     survivors = []
     for number in (n for n in left if n not in late):
@@ -268,21 +238,6 @@ def _proofs(
     answers = proved(commands, subject.job.entity, subject.folder, masks, short)
     known |= {n: store.write(asked[n], answer) for n, answer in zip(new, answers, strict=True)}
     return known
-
-
-def score_state(netlists: str, trace: str, mutants: list[str], patterns: list[str]) -> str:
-    """What a score is recorded of: the mutants and what the bench played, and what judges them.
-
-    What the bench compares with is no part: the sound hardware passes it each time.
-    """
-    return store.key(
-        "score",
-        netlists=netlists,
-        trace=trace,
-        mutants=mutants,
-        explained=patterns,
-        scripts=_scripts("score"),
-    ).digest
 
 
 def _scripts(kind: str) -> str:
