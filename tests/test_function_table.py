@@ -28,8 +28,8 @@ from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
 from tactus.report.draw.learned import nodes_of, scene_nodes
-from tactus.report.draw.pictures import pictures
-from tactus.report.draw.svg import ACCENT, Picture
+from tactus.report.draw.svg import ACCENT
+from tactus.report.page.content import pictures
 from tactus.scene import load_scene
 from tactus.scene.codes import saturating
 from tb.common.cases import random_learned, random_network
@@ -366,7 +366,5 @@ def test_the_picture_of_a_scene_has_every_function(tmp_path: Path, arrangement: 
     edges = [edge for found in nodes.values() for node in found for side in node for edge in side]
     for edge in edges:
         assert (edge.form == "flat") == (not any(edge.values))
-    drawn = next(
-        one for one in pictures(scene) if isinstance(one, Picture) and one.name == "functions"
-    )
+    drawn = next(one for one in pictures(scene) if one.name == "functions")
     assert drawn.svg.count(f"stroke: {ACCENT}") == sum(edge.form == "curved" for edge in edges)

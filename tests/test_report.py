@@ -4,7 +4,6 @@ import csv
 import json
 import re
 import shutil
-from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import combinations
 from pathlib import Path
@@ -17,26 +16,23 @@ from matplotlib.textpath import TextToPath
 from shared import Shared, browse
 
 from golden.common.block import walk
-from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
 from tactus.errors import held_out_means
 from tactus.report.draw import run_time
 from tactus.report.draw.datapath import datapath
-from tactus.report.draw.load import drawn, has_load, load_profile
+from tactus.report.draw.load import drawn, load_profile
 from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
-from tactus.report.draw.pictures import Skipped, pictures
 from tactus.report.draw.svg import ACCENT
-from tactus.report.draw.waveforms import Row, waveforms
-from tactus.report.measure.simulated_frame import simulate_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Table
 from tactus.report.page import build
-from tactus.report.page.content import Page, Section, content
+from tactus.report.page.content import Page, Section, pictures
 from tactus.report.page.made import design_picture
-from tactus.scene import Scene, load_scene, scene_names
+from tactus.report.page.summary import frame as frame_table
+from tactus.scene import load_scene, scene_names
 from tactus.scene.reading import scene_path
-from tactus.scene.scale import Scale
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.runner import BUILD
 from tactus.verify.benches.written import scene_of
@@ -75,12 +71,12 @@ def own_data(own: Path) -> dict:
 
 def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> None:
     wanted = {"errors", "costs", "worst_rows", "confidence", "along", "noise_and_drift"}
-    wanted |= {"sensors", "sensors_tell", "designs"}
+    wanted |= {"sensors", "sensors_tell", "designs", "frame"}
     assert set(own_data["tables"]) == wanted
     predicted = {f"predicted_{c}" for c in range(4)}
     disturbed = {f"disturbed_{kind}" for kind in ("noise", "gain", "offset")}
-    drawn = {"network", "datapath", "waveforms", "load_profile"}
-    assert set(own_data["pictures"]) == {"along", "designs", *predicted, *disturbed, *drawn}
+    drawn = {"along", "designs", "network", "datapath"}
+    assert set(own_data["pictures"]) == {*predicted, *disturbed, *drawn}
     assert "thesis" not in own.read_text().lower()
 
 
@@ -142,15 +138,6 @@ def test_the_page_needs_nothing_beside_it_and_every_anchor_leads_somewhere(own: 
     assert len(links.ids) == len(set(links.ids))
     assert set(links.anchors) <= set(links.ids)
     assert len(links.anchors) > 10
-
-
-def test_a_second_report_measures_nothing(shared: Shared, own: Path) -> None:
-    told: list[tuple[str, bool]] = []
-    with shared.own_store():
-        scene = load_scene(str(shared.folder / OWN / f"{OWN}.toml"))
-        content(scene, lambda name, _, kept: told.append((name, kept)))
-    assert told
-    assert [name for name, kept in told if not kept] == []
 
 
 def test_text_of_a_table_cannot_become_markup() -> None:
@@ -224,22 +211,8 @@ def test_it_prints(own: Path, tmp_path: Path) -> None:
 
 
 SVG = "{http://www.w3.org/2000/svg}"
-FRAME = 40
 
-
-def flag(*values: int | None) -> Row:
-    return Row("top", "valid", values)
-
-
-def data(*values: int | None) -> Row:
-    return Row("top", "data", values, SIGNAL, "valid")
-
-
-def drawn_waveforms(scene: Scene) -> str:
-    return waveforms([flag(0, 1, 1), data(0, 1, -8192)], f"Two elements of scene {scene.name}")
-
-
-PICTURES = (network, datapath, drawn_waveforms, load_profile)
+PICTURES = (network, datapath, load_profile)
 
 
 def parse(text: str) -> ElementTree.Element:
@@ -252,37 +225,14 @@ def words(element: ElementTree.Element, tag: str = "text") -> list[str]:
     return [found.text or "" for found in element.iter(SVG + tag)]
 
 
-@pytest.fixture(scope="module")
-def drawn_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("pictures")
-
-
-@pytest.fixture(scope="module")
-def recorded(drawn_in: Path) -> list[Row]:
-    """One frame of scene digit through its exported Verilog."""
-    return simulate_frame(load_scene("digit-hybrid"), FRAME, drawn_in)
-
-
-def port(ports: list[Row], owner: str, name: str) -> Row:
-    (found,) = [p for p in ports if p.owner.startswith(owner) and p.name == name]
-    return found
-
-
-def counting(ports: list[Row], owner: str, name: str) -> list[int | None]:
-    """The values of a port in the clocks in which its data count."""
-    found = port(ports, owner, name)
-    flags = port(ports, owner, found.valid).values
-    return [value for value, valid in zip(found.values, flags, strict=True) if valid]
-
-
 @pytest.mark.parametrize("draw", PICTURES)
 def test_a_picture_is_one_accessible_svg_the_same_on_every_run(draw) -> None:
-    text = draw(load_scene("digit"))
+    text = draw(load_scene("digit-instrument"))
     root = parse(text)
     assert root.get("role") == "img"
     assert root[0].tag == f"{SVG}title"
     assert "digit" in (root[0].text or "")
-    assert text == draw(load_scene("digit"))
+    assert text == draw(load_scene("digit-instrument"))
     assert "<script" not in text
 
 
@@ -325,58 +275,32 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
         assert block.block in shown
 
 
-def test_the_recording_holds_what_the_twin_computes(recorded: list[Row]) -> None:
-    scene = load_scene("digit-hybrid")
-    codes = scene.vectors().codes[FRAME]
-    outputs = scene.twin().process(codes)
-    assert counting(recorded, "cascade, frame in", "in_data")[: len(codes)] == codes.tolist()
-    assert counting(recorded, "cascade, frame out", "out_data") == outputs.tolist()
-    for n, output in enumerate(outputs):
-        seen = [*codes, *outputs[:n]]
-        assert counting(recorded, f"hybrid_{n}", "in_data") == seen
-        assert counting(recorded, f"hybrid_{n}", "out_data") == [output]
-
-
-def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
-    root = parse(waveforms(recorded, "One frame of scene digit-hybrid"))
-    shown = words(root)
-    assert {port.name for port in recorded} | {port.owner for port in recorded} <= set(shown)
-    codes = [
-        code for port in recorded if port.fmt for code in counting(recorded, port.owner, port.name)
-    ]
-    values = [f"{value:.4f}" for value in SIGNAL.to_real(codes)]
-    assert [word for word in shown if "." in word and word[-4:].isdecimal()] == values
+@pytest.mark.parametrize("name", ["digit", "digit-hybrid", "digit-parallel", "swing-window"])
+def test_a_recorded_frame_comes_and_leaves_as_the_twin_says(name: str) -> None:
+    scene = load_scene(name)
+    design, recording = scene.twin(), scene.vectors().recordings[0][: scene.twin().past + 1]
+    (table,) = frame_table(scene)
+    clocks, ports, names, codes, values = zip(*table.rows, strict=True)
+    assert names == (*scene.sensors, *scene.outputs)
+    outputs = np.atleast_2d(design.process(recording))[-1]
+    assert list(codes) == [*recording[-1].tolist(), *outputs.tolist()]
+    assert list(values) == SIGNAL.to_real(codes).tolist()
+    assert set(ports) <= {port.name for port in design.ports}
+    assert clocks[0] == 0
+    assert clocks[-1] == clocks_per_frame(design) - 1
+    after = clocks[-1] - clocks[len(scene.sensors) - 1]
+    assert after == design.clocks_after_samples
 
 
 @pytest.mark.parametrize("name", ["digit-board", "digit-instrument"])
-def test_a_frame_that_waits_for_sensors_is_not_drawn(name: str) -> None:
-    titles = [one.title for one in pictures(load_scene(name)) if isinstance(one, Skipped)]
-    assert "One recorded frame, clock by clock" in titles
+def test_a_frame_that_waits_for_sensors_has_no_table(name: str) -> None:
+    assert frame_table(load_scene(name)) == []
 
 
-def test_outputs_at_once_are_recorded_too(tmp_path: Path) -> None:
-    scene = scene_of(CASES["parallel"], tmp_path, "parallel")
-    ports = simulate_frame(scene, 1, tmp_path)
-    outputs = scene.twin().process(scene.vectors().codes[1]).tolist()
-    owner = f"{scene.twin().entity}, frame out"
-    (valid,) = np.flatnonzero(port(ports, owner, "out_valid").values)
-    assert [
-        port(ports, owner, f"out_data_{n}").values[valid] for n in range(len(outputs))
-    ] == outputs
-
-
-def test_a_frame_that_was_not_recorded_is_refused(drawn_in: Path) -> None:
-    with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
-        simulate_frame(load_scene("digit"), 143, drawn_in)
-
-
-@pytest.mark.parametrize(
-    "change", [{"length_mm": {"position": 127.0}}, {"scale": {"load": Scale(100.0, 100.0)}}]
-)
-def test_outputs_of_those_names_alone_are_no_load(change: dict) -> None:
-    """Examples are a load in grams, or a width of unknown length."""
-    assert has_load(load_scene("digit"))
-    assert not has_load(replace(load_scene("digit"), **change))
+def test_only_a_profile_that_is_built_is_drawn() -> None:
+    for name, built in (("digit", False), ("digit-instrument", True)):
+        drawn = [picture.name for picture in pictures(load_scene(name))]
+        assert ("load_profile" in drawn) == built, name
 
 
 def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:

@@ -26,7 +26,6 @@ from tactus.core.files import check_writable, replace_file, replace_files, repla
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.core.progress import PAUSE, Progress, stage
-from tactus.report.page import content as parts
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from tactus.verify.benches import kept_results, results
 from tactus.verify.benches.collected import BENCHES, CASES_OF
@@ -319,17 +318,10 @@ class Copy:
         self.forget()
         return {(job.scene.name, job.block): kept_results.bench_key(job) for job in self.jobs}
 
-    def report(self) -> dict[str, store.Key]:
-        self.forget()
-        return {
-            module: parts.part_key(module, [f"tactus.report.{module}"])
-            for module in ("measure.outcome", "measure.simulated_frame")
-        }
-
     @staticmethod
     def forget() -> None:
         """What one process asks only once."""
-        own = (kept_results._modules, kept_results._code, kept_results._reading, parts._data)
+        own = (kept_results._modules, kept_results._code, kept_results._reading)
         for cached in (closure.file_of, closure.code_of, closure.imported_by, *own):
             cached.cache_clear()
 
@@ -346,20 +338,17 @@ def changed(before: dict, after: dict) -> set:
 
 
 def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
-    benches, report = sources.benches(), sources.report()
+    benches = sources.benches()
     proofs = score._scripts("same")
     for file in (
         TWIN,
         "tb/layers/tb_output_controller.py",
         "tb/common/bench.py",
-        "tactus/report/measure/outcome.py",
         "tactus/verify/sign_off/mutate/same.py",
     ):
         sources.add(file, COMMENT)
     sources.add("tactus/report/page/content.py", CODE)
-    sources.add("tactus/report/draw/svg.py", CODE)
     assert changed(benches, sources.benches()) == set()
-    assert changed(report, sources.report()) == set()
     assert score._scripts("same") == proofs
     sources.add("tactus/verify/sign_off/mutate/same.py", CODE)
     Copy.forget()
@@ -384,10 +373,9 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
 
 
 def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(sources: Copy, monkeypatch) -> None:
-    benches, report = sources.benches(), sources.report()
+    benches = sources.benches()
     sources.add("tb/layers/tb_output_controller.py", CODE)
     assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}
-    assert changed(report, sources.report()) == set()
     monkeypatch.setattr(kept_results, "_tools", lambda _: ["icarus 99"])
     assert changed(benches, sources.benches()) == benches.keys()
 

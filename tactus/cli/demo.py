@@ -213,8 +213,7 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
             return 1
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
-        with stage(f"{scene.name}: writing the report"):
-            build_report(scene)
+        build_report(scene)
     if len(scenes) > 1:
         print("\n".join(["", *side_by_side(scenes, results)]))
     return 0

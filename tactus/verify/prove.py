@@ -122,26 +122,20 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
     """The outputs that Icarus gives for frames, shape (frames, outputs), or None where it gives
     more, fewer, or what is not known."""
     mask = (1 << given["bits"]) - 1
-    said = printed(bench(given, len(frames)), frames & mask, folder)
-    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.split()])
+    with tempfile.TemporaryDirectory() as made:
+        (Path(made) / "bench.v").write_text(bench(given, len(frames)), encoding="ascii")
+        samples = "\n".join(f"{x:x}" for x in (frames & mask).flat)
+        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
+        files = [str((folder / name).resolve()) for name in compile_order(folder)]
+        for command in (["iverilog", "-g2001", "-o", "run", "bench.v", *files], ["vvp", "run"]):
+            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
+    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.stdout.split()])
     outputs = len(given["outputs"])
     whole = len(values) == len(frames) * outputs and -mask not in values
     return values.reshape(-1, outputs) if whole else None
 
 
-def printed(test: str, frames: Any, folder: Path) -> str:
-    """What Icarus prints of a bench that plays frames, not negative, on exported Verilog."""
-    with tempfile.TemporaryDirectory() as made:
-        (Path(made) / "bench.v").write_text(test, encoding="ascii")
-        samples = "\n".join(f"{x:x}" for x in frames.flat)
-        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
-        files = [str((folder / name).resolve()) for name in compile_order(folder)]
-        for command in (["iverilog", "-g2001", "-o", "run", "bench.v", *files], ["vvp", "run"]):
-            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
-    return said.stdout
-
-
-def bench(given: dict[str, Any], frames: int, watch: str = "") -> str:
+def bench(given: dict[str, Any], frames: int) -> str:
     """A Verilog bench that plays frames; its template says what it reads and prints."""
     words, outputs = given["stream"] == "words", len(given["outputs"])
     ins = [f"in_data_{k}" for k in range(given["samples"])] if words else ["in_data"]
@@ -152,7 +146,7 @@ def bench(given: dict[str, Any], frames: int, watch: str = "") -> str:
     begins = [{**silent, **one} for one in (*before(given), {})]
     played = {"frames": frames, "ins": ins, "outs": outs, "named": named, "begins": begins}
     template = environment("tactus.verify").get_template("bench.v.jinja")
-    return template.render(given, **played, watch=watch)
+    return template.render(given, **played)
 
 
 def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:

@@ -10,7 +10,6 @@ from golden.numbers.real import Real
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, power_load
 from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene
-from tactus.scene.front_end import RESULTS, VISUALISATION, visualisation
 
 # The first recorded frames have the widest load. In this frame it is in the middle of the ramp.
 FRAME = 4
@@ -31,29 +30,9 @@ class Drawn:
     true: tuple[Real, Real]
 
 
-def has_load(scene: Scene) -> bool:
-    """Whether a scene has all outputs for a profile of the load, and has them as signals."""
-    return scene.visualisation is not None or (
-        set(RESULTS) <= set(scene.outputs)
-        and {"position", "width"} <= scene.length_mm.keys()
-        and not scene.scale.keys() & set(RESULTS)
-    )
-
-
 def drawn(scene: Scene, frame: int) -> Drawn:
-    """A recorded frame of a scene that has a load; without a section its defaults are used."""
     shown = scene.visualisation
-    if shown is None:
-        data = {
-            "sensors": list(scene.sensors),
-            "outputs": list(scene.outputs),
-            "scale": {},
-            "length_mm": scene.length_mm,
-            "full_scale": scene.full_scale,
-        }
-        values = {"data": data, "visualisation": VISUALISATION.filled({})}
-        shown = visualisation(values, scene.path)
-    assert shown is not None, "the section is there"
+    assert shown is not None, "only such a scene is drawn"
     vectors, results = scene.vectors(), list(shown.results)
     # What a coded position and a coded width of 1 are.
     mm, wide = (
@@ -82,7 +61,7 @@ def drawn(scene: Scene, frame: int) -> Drawn:
 def load_profile(scene: Scene) -> str:
     """The bit-true profile, equation 3.18 in real arithmetic, and the recorded load.
 
-    scene: One for which ``has_load`` is true.
+    scene: One with a section ``[visualisation]``.
 
     Returns: One ``<svg>`` element.
     """

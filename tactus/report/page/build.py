@@ -1,8 +1,7 @@
 """``make report``: writes one HTML file about a scene, with all plots as SVG and tables as CSV.
 
 ``build/<scene>/report.html`` opens without a network connection. ``build/<scene>/report`` beside it
-holds the plots, a CSV for each table, and report.json with all tables. What has not changed since
-the last report is not measured again.
+holds the plots, a CSV for each table, and report.json with all tables.
 """
 
 import dataclasses
@@ -15,17 +14,13 @@ from tactus.core.files import check_writable, replace_file, replace_folder, writ
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import facts, versions
+from tactus.core.progress import stage
 from tactus.report.draw.svg import Picture
 from tactus.report.measure.table import Table
 from tactus.report.page.content import Page, content
 from tactus.scene import Scene
 from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import simulator_versions
-
-
-def tell(name: str, seconds: float, kept: bool) -> None:
-    """Print a line for a part of the report that is ready."""
-    print(f"report: {name:24} {'as before' if kept else f'{seconds:6.1f} s'}", flush=True)
 
 
 def write(scene: Scene, page: Page) -> None:
@@ -82,7 +77,8 @@ def main() -> None:
 def build_report(scene: Scene) -> None:
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
-    page = content(scene, tell)
+    with stage(f"{scene.name}: measuring and drawing the report"):
+        page = content(scene)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")
 

@@ -1,18 +1,17 @@
 """The content of the report of a scene."""
 
-import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
 
+from golden.common.block import walk
 from golden.networks.network import Network
-from tactus.core import store
-from tactus.core.closure import code
-from tactus.core.fingerprint import ROOT, fingerprint
-from tactus.core.machine import versions
+from golden.networks.table_sums import learned
 from tactus.core.templates import environment
 from tactus.report.designs import designs, picture_of, refused_lines, sentence
+from tactus.report.draw.datapath import datapath
+from tactus.report.draw.learned import learned_curves
+from tactus.report.draw.load import load_profile
+from tactus.report.draw.network import network
 from tactus.report.draw.outcome import (
     Plot,
     Predicted,
@@ -21,7 +20,6 @@ from tactus.report.draw.outcome import (
     disturbance_plots,
     predicted_plots,
 )
-from tactus.report.draw.pictures import draw
 from tactus.report.draw.svg import Picture
 from tactus.report.measure.networks import FAMILY
 from tactus.report.measure.outcome import (
@@ -39,53 +37,13 @@ from tactus.report.measure.outcome import (
 )
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
-from tactus.report.page.summary import Costs, blocks, costs
+from tactus.report.page.summary import Costs, blocks, costs, frame
 from tactus.scene import Scene
 from tactus.scene.building import compared
-from tactus.sizing.model import CELLS
 from tactus.verify.benches.results import left_texts, stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
 from tactus.verify.prove import proof_line
-
-# A function that is told the name of a part, the seconds that it took, and whether it was kept.
-Progress = Callable[[str, float, bool], None]
-
-
-def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Key:
-    """The key of a part of a report, which is kept in the store.
-
-    It holds the code that makes the part and all data that tactus ships. So nothing is measured
-    again when only a page of the report changes.
-
-    modules: The modules with the functions and classes that make it.
-    parts: Everything else on which the part depends.
-    """
-    tools = [f"{n} {v}" for n, v in versions("myhdl", "numpy", "scipy", "python").items()]
-    return store.key("report", name=name, code=code(modules), data=_data(), tools=tools, **parts)
-
-
-@cache
-def _data() -> str:
-    """A digest of the data that tables read."""
-    return fingerprint([ROOT / "scenes"])
-
-
-def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
-    """The result of ``work``, from the store if it is kept there."""
-    name, started = asked.parts["name"], time.perf_counter()
-    answer = store.read(asked)
-    if answer is not None:
-        tell(name, 0.0, True)
-        return answer
-    answer = store.write(asked, work())
-    tell(name, time.perf_counter() - started, False)
-    return answer
-
-
-def packed(table: Table) -> dict[str, Any]:
-    """A table as the store holds it: the arguments of ``Table``."""
-    return {"name": table.name, **table.as_data()}
 
 
 @dataclass(frozen=True)
@@ -128,24 +86,10 @@ class Page:
         return templates.get_template("page.html.jinja").render(page=self)
 
 
-def content(scene: Scene, tell: Progress) -> Page:
-    """The report of a scene. ``tell`` is called for each part that is ready."""
-    design = scene.twin()
-    tools = [version(s) for s in SIMULATORS]
-    files = [*scene.files, *(p for p in scene.provenance_paths if p.is_file())]
-
-    def asked(name: str, *modules: str, **parts: store.Part) -> store.Key:
-        return part_key(f"{name}-{scene.name}", modules, scene=files, simulators=tools, **parts)
-
-    cost = costs(scene, design)
-    found = outcome(scene)
-    disturbed = Table(
-        **cached(
-            asked("disturbed", noise_and_drift.__module__, seed=SEED),
-            tell,
-            lambda: packed(noise_and_drift(scene, SEED)),
-        )
-    )
+def content(scene: Scene) -> Page:
+    """The report of a scene."""
+    design, cost, found = scene.twin(), costs(scene), outcome(scene)
+    disturbed = noise_and_drift(scene, SEED)
     places = along(found) if scene.group_by else None
     told = telling(scene)
     if scene.labels:
@@ -169,13 +113,9 @@ def content(scene: Scene, tell: Progress) -> Page:
             text=["What the project has and this scene does not need is not built:"],
             points=summary.left_out(scene, design),
         ),
-        _pictures(scene, asked("pictures", draw.__module__), tell),
+        Section("pictures", "Pictures", pictures=list(pictures(scene)), folded=frame(scene)),
         _resources(scene, design, cost),
-        _designs(
-            scene,
-            asked("designs", designs.__module__, picture_of.__module__, records=[CELLS]),
-            tell,
-        ),
+        _designs(scene),
     ]
     return Page(
         f"tactus: {scene.name}",
@@ -204,15 +144,40 @@ def _drawn(plots: Iterable[Plot | Predicted]) -> list[Picture]:
     return [Picture(plot.name, plot.title, plot.draw(), plot.sentence) for plot in plots]
 
 
-def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:
-    found = cached(asked, tell, lambda: draw(scene))
-    skipped = "; ".join(f"{title}: {why}" for title, why in found["skipped"])
-    return Section(
-        "pictures",
-        "Pictures",
-        text=[f"Not drawn for this scene. {skipped}."] if skipped else [],
-        pictures=[Picture(**part) for part in found["drawn"]],
+def pictures(scene: Scene) -> Iterator[Picture]:
+    hidden = sum(sum(network.shape[1:-1]) for network in scene.networks())
+    nodes = network(scene)
+    yield Picture(
+        "network",
+        "Networks",
+        nodes,
+        f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
+        wide="min-width" in nodes,
     )
+    if all(map(learned, scene.networks())):
+        yield Picture(
+            "functions",
+            "Learned functions",
+            learned_curves(scene),
+            "Each function over the range that its input has on the recorded rows, without its "
+            "mean. Blue ones are curved and take a table, grey ones are straight.",
+            wide=True,
+        )
+    yield Picture(
+        "datapath",
+        "Datapath",
+        datapath(scene),
+        f"{len(list(walk(scene.twin())))} entities, drawn from the design that is exported.",
+        wide=True,
+    )
+    if scene.visualisation:
+        yield Picture(
+            "load_profile",
+            "Load profile of a recorded frame",
+            load_profile(scene),
+            "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
+            "outputs, and the load that was recorded.",
+        )
 
 
 def _verified(scene: Scene) -> Section:
@@ -252,27 +217,18 @@ def _verified(scene: Scene) -> Section:
     return Section("verified", "Verified", text=said, folded=[table])
 
 
-def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
+def _designs(scene: Scene) -> Section:
     """The section on what other designs of the same networks would cost."""
-
-    def work() -> dict[str, Any]:
-        rows, refused = compared(scene)
-        return {
-            "table": packed(designs(scene, rows, FAMILY)),
-            "svg": picture_of(scene, rows, FAMILY),
-            "sentence": sentence(scene, rows, FAMILY),
-            "refused": refused_lines(refused),
-        }
-
-    found = cached(asked, tell, work)
-    title = "Other designs: LUTs against clocks"
+    rows, refused = compared(scene)
+    title, said = "Other designs: LUTs against clocks", sentence(scene, rows, FAMILY)
+    drawn = picture_of(scene, rows, FAMILY)
     return Section(
         "designs",
         "Other designs",
         text=[f"make designs {scene_variable(scene)} prints this table."],
-        points=found["refused"],
-        pictures=[Picture("designs", title, found["svg"], found["sentence"], wide=True)],
-        tables=[Table(**found["table"])],
+        points=refused_lines(refused),
+        pictures=[Picture("designs", title, drawn, said, wide=True)],
+        tables=[designs(scene, rows, FAMILY)],
     )
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from golden.common.block import walk
 from golden.networks.network import Network
+from golden.numbers.precision import SIGNAL
 from tactus.core.folders import BUILD
 from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from tactus.report.measure.networks import clocks_per_frame
@@ -37,7 +38,8 @@ class Costs:
     current: bool
 
 
-def costs(scene: Scene, design: Network) -> Costs | None:
+def costs(scene: Scene) -> Costs | None:
+    design = scene.twin()
     if not is_recorded(scene.path) or not is_recorded(scene.path, TIMING):
         return None
     cells = read_budget(scene.path)
@@ -171,6 +173,38 @@ def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
     """The share of the reference's device."""
     figure = found.share.get("thesis", {}).get(key)
     return [[f"Virtex-II {what}, % of XC2V3000", found.share[key], figure]]
+
+
+def frame(scene: Scene) -> list[Table]:
+    """When the samples and the outputs of a recorded frame come, as soon as they may.
+
+    There is none where the stream may pause, or where a scan takes the samples.
+    """
+    design, vectors = scene.twin(), scene.vectors()
+    if design.stream not in ("serial", "words"):
+        return []
+    words, last = design.stream == "words", design.frame_clocks - 1
+    # The frames before it fill the past.
+    samples = vectors.recordings[0][design.past]
+    outputs = design.core.process(vectors.codes[:1])[0]
+    begun = [0 if words else n for n in range(len(samples))]
+    ended = [last + clocks for clocks in design.output_clocks]
+    rows: list[list[Cell]] = [
+        [clock, f"{port}_{n}" if words else port, name, int(code), float(SIGNAL.to_real(code))]
+        for port, *columns in (
+            ("in_data", begun, scene.sensors, samples),
+            ("out_data", ended, scene.outputs, outputs),
+        )
+        for n, (clock, name, code) in enumerate(zip(*columns, strict=True))
+    ]
+    slots = 0 if words else design.frame_clocks - len(samples)
+    note = (
+        "The first recorded frame that has a whole past, as the twin computes it, with an element "
+        "in each clock. The benches compare codes and clocks with the exported files."
+    )
+    if slots:
+        note += f" Behind the samples come {slots} elements whose data do not count."
+    return [Table("frame", ["clock", "port", "what", "code", "value"], rows, note)]
 
 
 def left_out(scene: Scene, design: Network) -> list[str]:
