@@ -4,7 +4,6 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from pages import ROUNDING, shows
 
 from golden.numbers.precision import SIGNAL
 from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
-from tactus.cli.demo import error_table
 from tactus.core.table import read_table
 from tactus.errors import (
     HELD_OUT,
@@ -26,7 +24,6 @@ from tactus.errors import (
 )
 from tactus.network_files.network_file import provenance_path, save_network, write_network
 from tactus.report.draw.outcome import disturbance_plots, predicted_plots
-from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.networks import scenes as every_scene
 from tactus.report.measure.outcome import (
     NONE,
@@ -37,13 +34,14 @@ from tactus.report.measure.outcome import (
     outcome,
     sensors,
 )
-from tactus.report.page.side_by_side import side_by_side
-from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_path, thesis_table
+from tactus.report.page.headline import REBUILT, SHOWN, headline
+from tactus.report.page.summary import errors
+from tactus.scene import Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import activation_error
 from tactus.scene.scale import Scale, on_readings
+from tactus.synth.budget import read_budget
 from tactus.train.split import split_of, split_story
-from tactus.verify.benches.tools import SIMULATORS
 from tb.common.cases import random_mlp
 
 
@@ -153,74 +151,26 @@ def test_the_plots_of_disturbances_hold_what_their_table_holds() -> None:
         assert points == [(size, row[2]) for (one, size), row in rows.items() if one == kind]
 
 
-@pytest.fixture(scope="module")
-def scenes() -> list[Scene]:
-    return [load_scene(name) for name in DEFAULT_SCENES]
-
-
-@pytest.fixture(scope="module")
-def table(scenes: list[Scene]) -> list[str]:
-    return side_by_side(scenes)
-
-
-def found(scene: Scene, **others: Any) -> dict[str, Any]:
-    """Possible results of the benches."""
-    facts = {"clocks_per_frame": 12345, "interval": 54321, "frames": 10, "seconds": 2.0}
-    blocks = {"abs_unit": {simulator: [1, 70] for simulator in SIMULATORS}}
-    results = {
-        "benches": 9,
-        "kept": 0,
-        "left": 0,
-        "recorded": [],
-        "short": "",
-        "failed": 0,
-        "compared": 987654,
-    }
-    own = {"facts": dict.fromkeys(SIMULATORS, facts), "blocks": blocks}
-    return results | own | others
-
-
-def row(table: list[str], name: str) -> str:
-    """The text after the first cell of the line with this name."""
-    (line,) = [line for line in table if line.strip().startswith(name + "  ")]
-    return line.strip().removeprefix(name)
-
-
-def test_errors_are_those_of_the_scenes_and_of_the_thesis(
-    scenes: list[Scene], table: list[str]
-) -> None:
-    printed = thesis_table("digit.cascade_b")["simulation"]
-    for n, name in enumerate(scenes[0].outputs):
-        figures = [printed[n]]
-        for scene in scenes:
-            error, held_out = scene_errors(scene)["bit-true"][n], held_out_means(scene)
-            figures += [error.mean, error.largest_mean, held_out[n]]
-        cells = row(table, name).split()
-        for text, figure in zip(cells, figures, strict=True):
-            assert shows(text, figure, ROUNDING), name
-
-
-def test_clocks_are_those_of_the_twins_or_those_that_were_simulated(
-    scenes: list[Scene], table: list[str]
-) -> None:
-    counts = [f"{clocks_per_frame(scene.twin()):,}" for scene in scenes]
-    assert row(table, "clocks a frame").split() == ["-", *counts]
-    board = thesis_table("board")
-    first, *others = row(table, "clocks between frames").replace(" us)", "us)").split()[::2]
-    assert first == f"{2 ** board['scan_counter_bits']:,}"
-    assert others == [f"{scene.twin().interval:,}" for scene in scenes]
-    simulated = side_by_side(scenes, {scene.name: found(scene) for scene in scenes})
-    assert row(simulated, "clocks a frame").split() == ["-", "12,345", "12,345"]
-    assert row(simulated, "clocks between frames").count("54,321") == len(scenes)
-
-
-def test_what_was_compared_is_told_where_benches_ran(scenes: list[Scene], table: list[str]) -> None:
-    assert not any("values compared" in line for line in table)
-    results = {scene.name: found(scene) for scene in scenes}
-    results[scenes[1].name] = found(scenes[1], failed=3)
-    told = row(side_by_side(scenes, results), "values compared")
-    assert "987,654, none differ" in told
-    assert "987,654, 3 benches red" in told
+def test_the_table_of_all_pages_holds_the_figures_of_scenes_and_thesis() -> None:
+    scenes = [load_scene(name) for name in (REBUILT, SHOWN)]
+    rows = {row[0]: row[1:] for row in headline().rows}
+    printed, board = thesis_table("digit.cascade_b"), thesis_table("board")
+    errors = [max(e.largest_mean for e in scene_errors(s)["bit-true"]) for s in scenes]
+    clocks = [scene.twin().clocks_after_samples for scene in scenes]
+    cells = [read_budget(scene.path)["xc2v"][scene.twin().entity] for scene in scenes]
+    for name, figures in {
+        "error on held-out rows": [None, *(max(held_out_means(s) or []) for s in scenes)],
+        "mean error at the worst position": [max(printed["simulation"]), *errors],
+        "the same, with real sensors": [max(printed["real_time"]), None, None],
+        "clocks after the last sample": [None, *clocks],
+        "µs at 64 MHz": [None, *(n / board["clock_mhz"] for n in clocks)],
+        "LUTs": [28672 * printed["luts_percent"] / 100, *(one["LUT"] for one in cells)],
+        "multipliers": [96 * printed["mult18x18_percent"] / 100, *(c["multiplier"] for c in cells)],
+        "block RAMs": [None, *(one["block RAM"] for one in cells)],
+    }.items():
+        for cell, figure in zip(rows[name], figures, strict=True):
+            text = str(cell).removeprefix("about ").removesuffix(" %")
+            assert text == "-" if figure is None else shows(text, figure, ROUNDING), name
 
 
 @pytest.fixture
@@ -290,7 +240,7 @@ def test_what_was_not_trained_here_holds_nothing_out(
     changed = load_scene(str(scene))
     assert held_out_rows(changed) is None
     assert HELD_OUT not in scene_errors(changed)
-    assert "held out" not in "\n".join(error_table(changed))
+    assert {row[1] for row in errors(outcome(changed)).rows} == {UNKNOWN}
     assert held_out_text(changed) == UNKNOWN
 
 

@@ -23,7 +23,6 @@ from studies.physics.digit_sensors import (
     read_sensors,
 )
 from studies.physics.swing_data import independent_run
-from tactus.cli.demo import error_table
 from tactus.cli.listing import adders as listing
 from tactus.core.commands import BY_NAME
 from tactus.core.table import read_table
@@ -31,8 +30,9 @@ from tactus.errors import disturbed_errors, held_out_means, noises_of, scene_err
 from tactus.physics.beam import Beam
 from tactus.physics.gauges import Placing, load_rig
 from tactus.report.measure.networks import clocks_per_frame
+from tactus.report.measure.outcome import outcome
 from tactus.report.measure.table import Table
-from tactus.report.page import lists
+from tactus.report.page import lists, summary
 from tactus.report.page.lists import END, begin, put
 from tactus.report.page.made import MADE, MARK
 from tactus.scene import load_scene, thesis_figures, thesis_table
@@ -159,18 +159,23 @@ def test_a_blocks_page_has_its_headings_in_order_and_is_short(sheet: Path) -> No
     assert sum(len(line.split()) for line in prose) <= 250
 
 
-def test_the_demos_table_holds_the_errors() -> None:
+def test_the_first_table_of_a_report_holds_the_errors() -> None:
     scene = load_scene("digit")
-    printed = "\n".join(error_table(scene))
-    errors, held_out = scene_errors(scene), held_out_means(scene)
+    found, held_out = scene_errors(scene), held_out_means(scene)
     noisy = [disturbed_errors(scene, Disturbance(noise)) for noise in noises_of(scene)]
     thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
-    for n, name in enumerate(scene.outputs):
-        kinds = [errors[kind][n] for kind in ("float", "bit-true")]
-        figures = [figure for e in kinds for figure in (e.mean, e.largest_mean, e.worst)]
-        figures += [held_out[n], *(errors[n] for errors in noisy), thesis[n]]
-        for text, figure in zip(cells(printed, name), figures, strict=True):
-            assert shows(text, figure, ROUNDING), name
+    table = summary.errors(outcome(scene))
+    noises = [f"noise {noise:g} %" for noise in noises_of(scene)]
+    assert list(table.columns) == [
+        *("output", "held out %", "mean %", "largest %", "worst %", *noises),
+        *("mean in floating point %", "thesis largest %"),
+    ]
+    for n, (name, *figures) in enumerate(table.rows):
+        real, bit_true = (found[kind][n] for kind in ("float", "bit-true"))
+        expected = [held_out[n], bit_true.mean, bit_true.largest_mean, bit_true.worst]
+        expected += [*(errors[n] for errors in noisy), real.mean, thesis[n]]
+        assert name == scene.outputs[n]
+        assert figures == pytest.approx(expected)
 
 
 def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:

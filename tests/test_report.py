@@ -18,7 +18,6 @@ from shared import Shared, browse
 from golden.common.block import walk
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
-from tactus.errors import held_out_means
 from tactus.report.draw import run_time
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.load import drawn, load_profile
@@ -71,7 +70,7 @@ def own_data(own: Path) -> dict:
 
 def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> None:
     wanted = {"errors", "costs", "worst_rows", "confidence", "along", "noise_and_drift"}
-    wanted |= {"sensors", "sensors_tell", "designs", "frame"}
+    wanted |= {"sensors", "sensors_tell", "designs", "frame", "errors_in_units"}
     assert set(own_data["tables"]) == wanted
     predicted = {f"predicted_{c}" for c in range(4)}
     disturbed = {f"disturbed_{kind}" for kind in ("noise", "gain", "offset")}
@@ -142,7 +141,7 @@ def test_the_page_needs_nothing_beside_it_and_every_anchor_leads_somewhere(own: 
 
 def test_text_of_a_table_cannot_become_markup() -> None:
     table = Table("errors", ["<b>", "n"], [["<script>x</script>", 1]], "a & b")
-    page = Page("t", [], table, table, [Section("s", "S", ["<i>"], ["<b>"])])
+    page = Page("t", [], [table], [Section("s", "S", ["<i>"], ["<b>"])])
     text = page.render()
     assert "<script" not in text
     assert "&lt;script&gt;" in text
@@ -332,7 +331,6 @@ def test_designs_are_those_of_four_outputs_within_a_scan(monkeypatch) -> None:
     (found,) = run_time.measured()
     top = load_scene("digit").twin()
     assert (found.name, found.clocks) == ("digit", top.clocks_after_samples)
-    assert found.held_out == max(held_out_means(load_scene("digit")) or [])
 
 
 @pytest.mark.parametrize("name", ["area.svg", "designs", "error-against-run-time/networks.svg"])

@@ -30,7 +30,6 @@ from golden.trained.window import Window
 from tactus.boards.board import BOARD
 from tactus.boards.board import FOLDER as BOARDS
 from tactus.cli import train as command
-from tactus.cli.demo import length_lines
 from tactus.cli.train import train_scene
 from tactus.core.finding import faults
 from tactus.core.schema import REQUIRED, Key, KeyTable, json_schema
@@ -45,6 +44,7 @@ from tactus.network_files.network_file import (
 from tactus.physics.gauges import FOLDER as RIGS
 from tactus.physics.gauges import RIG
 from tactus.report.page.summary import built
+from tactus.report.page.summary import in_units as in_units_of
 from tactus.rig.check import everything
 from tactus.scene import (
     DEFAULT_SCENES,
@@ -281,7 +281,13 @@ def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
     # The errors are relative to a full scale of 70, so 1 % is 0.7 in the unit.
     percent = scene_errors(scene)["bit-true"][1]
     assert unit_errors(scene)["y1"].mean == pytest.approx(0.7 * percent.mean)
-    assert [line.split("  ")[0] for line in length_lines(scene)] == ["y0 in g", "y1 in its unit"]
+    (table,) = in_units_of(scene)
+    assert [row[:2] for row in table.rows] == [["y0", "g"], ["y1", "its unit"]]
+    assert table.rows[1][2] == pytest.approx(0.7 * percent.mean)
+    (table,) = in_units_of(load_scene("digit"))
+    lengths, found = {"position": 127, "width": 50.8}, scene_errors(load_scene("digit"))["bit-true"]
+    for (name, unit, mean, *_), n in zip(table.rows, (1, 2), strict=True):
+        assert (unit, mean) == ("mm", pytest.approx(found[n].mean * lengths[name] / 100))
 
 
 def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, capsys) -> None:

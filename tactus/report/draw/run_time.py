@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tactus.errors import held_out_means, scene_errors
+from tactus.errors import scene_errors
 from tactus.report.draw.named import Named, drawn, front
 from tactus.report.measure.networks import FAMILY, scenes
 from tactus.scene import FOLDER, load_scene, thesis_table
@@ -21,26 +21,16 @@ ACROSS = "clocks from the last sample to the last output"
 
 
 @dataclass(frozen=True)
-class Printed:
-    """A network that the thesis prints; ``error`` is that of its worst output, in per cent."""
+class Design:
+    """A network of four outputs.
+
+    error: The largest mean error at a position, of the worst output, in per cent.
+    """
 
     name: str
     luts: float
     clocks: float
     error: float
-
-
-@dataclass(frozen=True)
-class Design(Printed):
-    """A network of four outputs, with its recorded cells.
-
-    error: The largest mean error at a position, of the worst output.
-    held_out: The largest mean error of an output on held-out rows, if it is known.
-    """
-
-    multipliers: int
-    block_rams: int
-    held_out: float | None
 
 
 def measured() -> list[Design]:
@@ -54,22 +44,18 @@ def measured() -> list[Design]:
         if not four or not is_recorded(scene.path) or scene.twin().interval >= SCAN_CLOCKS:
             continue
         design = scene.twin()
-        cells = read_budget(scene.path)[FAMILY][design.entity]
         found.append(
             Design(
                 scene.name.removeprefix("comparison/"),
-                cells["LUT"],
+                read_budget(scene.path)[FAMILY][design.entity]["LUT"],
                 design.clocks_after_samples,
                 max(error.largest_mean for error in scene_errors(scene)["bit-true"]),
-                cells["multiplier"],
-                cells["block RAM"],
-                max(held_out_means(scene) or [], default=None),
             )
         )
     return found
 
 
-def printed_designs() -> list[Printed]:
+def printed_designs() -> list[Design]:
     """The networks that the thesis prints, at the clocks of ours of the same form.
 
     The thesis itself prints no time for a frame.
@@ -79,11 +65,11 @@ def printed_designs() -> list[Printed]:
         printed = thesis_table(key)
         luts = printed["luts_percent"] * device["luts4"] / 100
         clocks = load_scene(scene).twin().clocks_after_samples
-        found.append(Printed(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
+        found.append(Design(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
     return found
 
 
-def _shown(found: Sequence[Design]) -> list[Printed]:
+def _shown(found: Sequence[Design]) -> list[Design]:
     """Those networks and the printed ones, the one with the fewest LUTs first."""
     every = [*found, *printed_designs()]
     return sorted(every, key=lambda one: (one.luts, one.clocks, one.name))

@@ -16,7 +16,6 @@ from tactus.core.hold import held
 from tactus.core.machine import facts, versions
 from tactus.core.progress import stage
 from tactus.report.draw.svg import Picture
-from tactus.report.measure.table import Table
 from tactus.report.page.content import Page, content
 from tactus.scene import Scene
 from tactus.verify.benches.runner import ready_scene
@@ -28,7 +27,7 @@ def write(scene: Scene, page: Page) -> None:
 
     Each is written whole or not at all.
     """
-    tables: dict[str, Table] = {"errors": page.errors, "costs": page.costs}
+    tables = {table.name: table for table in page.tables}
     pictures: dict[str, Picture] = {}
     for section in page.sections:
         for table in (*section.tables, *section.folded):
@@ -74,13 +73,15 @@ def main() -> None:
         build_report(scene)
 
 
-def build_report(scene: Scene) -> None:
+def build_report(scene: Scene) -> Page:
+    """Write the report, and return its page."""
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
     with stage(f"{scene.name}: measuring and drawing the report"):
         page = content(scene)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")
+    return page
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 """The content of the report of a scene."""
 
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from golden.common.block import walk
 from golden.networks.network import Network
@@ -70,20 +72,29 @@ class Page:
     """The whole report.
 
     built: The lines that say what was built.
-    errors, costs: The tables of the first screen.
+    tables: Those of the first screen.
     made: The lines that say with which tools the report was made.
     """
 
     title: str
     built: Sequence[str]
-    errors: Table
-    costs: Table
+    tables: Sequence[Table]
     sections: Sequence[Section]
     made: Sequence[str] = ()
 
     def render(self) -> str:
         templates = environment("tactus.report.page", escapes=True)
         return templates.get_template("page.html.jinja").render(page=self)
+
+    def lines(self) -> list[str]:
+        """The first screen as text."""
+        told = [line for text in self.built for line in textwrap.wrap(text, 100)]
+        return [
+            self.title,
+            "",
+            *told,
+            *(line for table in self.tables for line in ("", *table.lines())),
+        ]
 
 
 def content(scene: Scene) -> Page:
@@ -120,8 +131,11 @@ def content(scene: Scene) -> Page:
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
-        summary.errors(found),
-        summary.cost_table(scene, design, cost, compared=bool(scene.reference)),
+        [
+            summary.errors(found),
+            summary.cost_table(scene, design, cost, compared=bool(scene.reference)),
+            *summary.in_units(scene),
+        ],
         [section for section in sections if section is not None],
     )
 
@@ -195,26 +209,30 @@ def _verified(scene: Scene) -> Section:
             f"{scene_variable(scene)} runs them."
         )
         return Section("verified", "Verified", text=[proved, text])
-    rows: list[list[Cell]] = [
-        [block, *(number for s in SIMULATORS for number in cells[s])]
-        for block, cells in results["blocks"].items()
-    ]
-    heading = ["block"]
-    heading += [f"{s}, {what}" for s in SIMULATORS for what in ("entities", "values compared")]
-    table = Table(
-        "benches",
-        heading,
-        rows,
-        "Each entity was simulated on the exported files themselves and compared with its twin, "
-        "without any tolerance, in " + " and ".join(version(s) for s in SIMULATORS) + ".",
-    )
     said = [
         proved,
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit.",
     ]
     said += left_texts(results)
-    return Section("verified", "Verified", text=said, folded=[table])
+    return Section("verified", "Verified", text=said, folded=[bench_table(results)])
+
+
+def bench_table(results: dict[str, Any]) -> Table:
+    """The numbers of entities and of compared values of each block."""
+    rows: list[list[Cell]] = [
+        [block, *(number for s in SIMULATORS for number in cells[s])]
+        for block, cells in results["blocks"].items()
+    ]
+    heading = ["block"]
+    heading += [f"{s}, {what}" for s in SIMULATORS for what in ("entities", "values compared")]
+    return Table(
+        "benches",
+        heading,
+        rows,
+        "Each entity was simulated on the exported files themselves and compared with its twin, "
+        "without any tolerance, in " + " and ".join(version(s) for s in SIMULATORS) + ".",
+    )
 
 
 def _designs(scene: Scene) -> Section:

@@ -7,10 +7,9 @@ program knows is written as the site is built (``made``).
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -27,23 +26,15 @@ from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
-from tactus.errors import held_out_means, scene_errors
 from tactus.report.draw import run_time
-from tactus.report.draw.run_time import PRINTED, SCAN_CLOCKS, Design
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import markdown
-from tactus.scene import load_scene, thesis_table
+from tactus.report.page.headline import REBUILT, SHOWN, against_run_time, headline
+from tactus.scene import load_scene
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
-from tactus.synth.budget import read_budget
 from tactus.synth.lean import read_lean
 
 COMMAND = "python -m tactus.report.page.lists"
-# The networks that the pages show.
-SHOWN = "digit"
-# The networks with the hidden nodes that the thesis prints, without the blocks around them.
-REBUILT = "digit-thesis"
-# The same networks with a scan and a profile around them.
-INSTRUMENTS = ("thesis", "digit-instrument")
 # Each wish for the project, and the page that shows the result.
 WISHES = {
     "Report error against run time": "error-against-run-time.md",
@@ -54,96 +45,9 @@ ONE_OUTPUT = "digit-load"
 PRUNED = (0.1, 0.25, 0.5)
 
 
-def headline() -> str:
-    """The printed thesis, its networks rebuilt, and the default scene beside each other."""
-    rebuilt, today = load_scene(REBUILT), load_scene(SHOWN)
-    printed = thesis_table(rebuilt.reference)
-    luts, multipliers = _printed_cells(printed)
-
-    def worst(found: Iterable[float]) -> str:
-        return f"{max(found):.2f} %"
-
-    scenes = (rebuilt, today)
-    held_out = [worst(held_out_means(s) or []) for s in scenes]
-    largest = [worst(e.largest_mean for e in scene_errors(s)["bit-true"]) for s in scenes]
-    cells, whole = (
-        [read_budget(s.path)["xc2v"][s.twin().entity] for s in some]
-        for some in (scenes, [load_scene(name) for name in INSTRUMENTS])
-    )
-    rows = [
-        ("error on held-out rows", "-", *held_out),
-        ("mean error at the worst position", worst(printed["simulation"]), *largest),
-        ("the same, with real sensors", worst(printed["real_time"]), "-", "-"),
-        (
-            "clocks after the last sample",
-            "-",
-            *(str(s.twin().clocks_after_samples) for s in scenes),
-        ),
-        ("LUTs", luts, *(f"{c['LUT']:,}" for c in cells)),
-        ("LUTs with scan and profile", "not said", *(f"{c['LUT']:,}" for c in whole)),
-        ("multipliers", multipliers, *(str(c["multiplier"]) for c in cells)),
-        ("block RAMs", "-", *(str(c["block RAM"]) for c in cells)),
-        ("proved for", "-", *(f"all 2^{14 * len(s.sensors)} frames" for s in scenes)),
-    ]
-    return markdown(" | thesis, printed | thesis, rebuilt | our own", rows)
-
-
-def against_run_time(networks: Sequence[Design]) -> Iterator[str]:
-    """The default network beside the thesis' cascade, by the same measures; and the scan."""
-    named = {one.name: one for one in networks}
-    default, rebuilt = named[SHOWN], named[REBUILT]
-    clock = float(thesis_table("board")["clock_mhz"])
-
-    def told(one: Design) -> str:
-        return (
-            f"errs by {one.held_out:.2f} % on held-out rows, in {one.clocks / clock:.2f} µs on "
-            f"{one.multipliers} multiplier{'s' * (one.multipliers != 1)}, "
-            f"{one.block_rams} block RAMs and {one.luts:,.0f} LUTs"
-        )
-
-    yield (
-        f"**The default network (scene `{SHOWN}`) {told(default)}; the thesis' cascade, rebuilt "
-        f"(`{REBUILT}`), {told(rebuilt)}.** So the default is "
-        f"{default.clocks / rebuilt.clocks:.1f} times as slow, and "
-        "both are much faster than the scan of the sensors, for which they wait."
-    )
-    yield ""
-    printed = thesis_table(PRINTED["cascade"][0])
-    rows: list[list[object]] = [
-        [
-            f"`{one.name}`",
-            f"{one.held_out:.2f}",
-            f"{one.error:.2f}",
-            f"{one.clocks:,.0f}",
-            f"{one.clocks / clock:.2f}",
-            f"{one.luts:,.0f}",
-            one.multipliers,
-            one.block_rams,
-        ]
-        for one in (default, rebuilt)
-    ]
-    error = f"{max(printed['simulation']):.2f}; {max(printed['real_time']):.2f} with real sensors"
-    rows.append(["cascade, as printed", "", error, "", "", *_printed_cells(printed), ""])
-    scan = f"{SCAN_CLOCKS:,}", f"{SCAN_CLOCKS / clock:g}"
-    rows.append(["scan of the sensors", "", "", *scan, "", "", ""])
-    heads = f" | error held out, % | error on recorded rows, % | clocks | µs at {clock:g} MHz"
-    yield markdown(f"{heads} | LUTs, entity by entity | multipliers | block RAMs", rows)
-    yield ""
-    yield (
-        "Held out is the mean error of the worst output on rows that no training had seen: for "
-        f"`{SHOWN}` stretches, which is harder, and for `{REBUILT}` rows drawn at random. After "
-        f"that `{SHOWN}` was trained further on all rows. The error on recorded rows is the mean "
-        "at the worst position, as the thesis prints it. Clocks count from the last sample to the "
-        "last output; the thesis prints no time for a frame. A vendor's tool placed its LUTs, "
-        "Yosys maps ours and counts no inverters."
-    )
-
-
-def _printed_cells(printed: Mapping[str, Any]) -> Iterator[str]:
-    """LUTs and multipliers of a network that the thesis prints in percent of its device."""
-    device = thesis_table("device")
-    for share, kind in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18")):
-        yield f"about {printed[share] * device[kind] / 100:,.0f}"
+def table() -> str:
+    found = headline()
+    return markdown(" | ".join(found.columns), found.rows)
 
 
 def headline_left_out() -> str:
@@ -225,13 +129,10 @@ def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     docs = ROOT / "docs"
     networks = run_time.measured()
+    told = f"{against_run_time()}\n\n{table()}\n\n{headline().note}"
     sections: list[tuple[Path, str, Callable[[], str]]] = [
-        (ROOT / "README.md", "headline", headline),
-        (
-            docs / "error-against-run-time.md",
-            "headline",
-            lambda: "\n".join(against_run_time(networks)),
-        ),
+        (ROOT / "README.md", "headline", table),
+        (docs / "error-against-run-time.md", "headline", lambda: told),
         (docs / "left-out.md", "headline", headline_left_out),
         (docs / "left-out.md", "programs", program_rows),
     ]

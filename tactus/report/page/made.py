@@ -23,10 +23,10 @@ from tactus.report.activations import activation_table, plot, plot_file
 from tactus.report.designs import designs, picture_of, refused_lines
 from tactus.report.draw.network import network
 from tactus.report.measure.networks import clocks_per_frame
-from tactus.report.measure.table import cell_text, markdown
+from tactus.report.measure.table import Table, cell_text, markdown
 from tactus.report.page import blocks, sign_off
-from tactus.report.page.side_by_side import side_by_side
-from tactus.scene import DEFAULT_SCENES, Scene, class_names, load_scene, scene_names
+from tactus.report.page.headline import headline
+from tactus.scene import Scene, class_names, load_scene, scene_names
 from tactus.scene.building import compared
 from tactus.scene.reading import SCENE
 from tactus.sizing.candidates import Refused, Sized
@@ -109,15 +109,8 @@ def pipeline() -> str:
     return markdown("name | clocks | with registers | what is there", rows)
 
 
-def activation_errors() -> str:
-    table = activation_table()
+def as_page(table: Table) -> str:
     return f"{markdown(' | '.join(table.columns), table.shown)}\n\n{table.note}"
-
-
-def demo() -> str:
-    """The table at the end of the demo, without the line on what was compared."""
-    lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
-    return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
 def picture(draw: Callable[[], str]) -> str:
@@ -227,7 +220,7 @@ MADE: dict[str, Callable[[], str]] = {
     **{name: partial(keys, name) for name in SCENE.keys},
     "scenes": scenes,
     "classes": classes,
-    "side_by_side": demo,
+    "headline": lambda: as_page(headline()),
     "blocks": blocks.block_table,
     "sign-off": sign_off.overview,
     "synthesis": blocks.scene_table,
@@ -244,7 +237,7 @@ MADE: dict[str, Callable[[], str]] = {
     "floors": floors,
     "networks": partial(picture, lambda: network(load_scene("digit"))),
     "segments": segments,
-    "activation-errors": activation_errors,
+    "activation-errors": lambda: as_page(activation_table()),
     **{
         f"errors-of-{plot_file(name).removesuffix('.svg')}": partial(
             picture, partial(plot, name, scheme)

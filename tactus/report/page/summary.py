@@ -1,5 +1,6 @@
 """The first screen of the report: what was built, its errors, its costs, what was left out."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,12 +8,13 @@ from golden.common.block import walk
 from golden.networks.network import Network
 from golden.numbers.precision import SIGNAL
 from tactus.core.folders import BUILD
-from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
+from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors, unit_errors
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Cell, Row, Table
 from tactus.scene import Scene, thesis_figures
-from tactus.scene.codes import hidden_saturations, range_lines
+from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, ranges
+from tactus.scene.metrics import millimetres
 from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
 from tactus.synth.cells import DEPTH, FAMILIES, KINDS
 from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
@@ -81,7 +83,12 @@ def built(scene: Scene, design: Network) -> list[str]:
     blocks = {part.block for part in entities}
     vectors, unused = scene.vectors(), unused_text(scene)
     saturated = hidden_saturations(scene, vectors.codes)
-    told = [*(scene.choice.lines() if scene.choice else []), *range_lines(scene, saturated)]
+    told = [
+        *(scene.choice.lines() if scene.choice else []),
+        *ranges(scene),
+        *range_lines(scene, saturated),
+        *quantised_lines(scene),
+    ]
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
         f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.chosen.design}, "
@@ -90,6 +97,7 @@ def built(scene: Scene, design: Network) -> list[str]:
         "VHDL-93 and as Verilog.",
         f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
         f"samples saturated.{f' {unused}.' if unused else ''}",
+        *(f"{design.core.entity}: {fact}." for fact in design.core.facts()),
         *(f"{line[0].upper()}{line[1:]}." for line in told),
     ]
 
@@ -98,15 +106,15 @@ def errors(found: Outcome) -> Table:
     """The errors of every output, as recorded and with noise, and those of the reference."""
     scene = found.scene
     known = scene_errors(scene)
-    columns = ["output", "held out %", "mean %", "largest %", "worst %"]
-    columns += [f"noise {noise:g} %" for noise in found.noisy]
-    means = held_out_means(scene)
-    rows: list[list[Cell]] = []
-    for c, name in enumerate(scene.outputs):
-        error = known["bit-true"][c]
-        held: Cell = UNKNOWN if means is None else means[c]
-        noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
-        rows.append([name, held, error.mean, error.largest_mean, error.worst, *noisy])
+    means: Sequence[Cell] = held_out_means(scene) or [UNKNOWN] * len(scene.outputs)
+    rows: list[Row] = []
+    for c, (name, real, error) in enumerate(
+        zip(scene.outputs, known["float"], known["bit-true"], strict=True)
+    ):
+        largest: Row = {"largest %": error.largest_mean} if scene.group_by else {}
+        row: Row = {"output": name, "held out %": means[c], "mean %": error.mean, **largest}
+        noisy = {f"noise {noise:g} %": float(e[:, c].mean()) for noise, e in found.noisy.items()}
+        rows.append({**row, "worst %": error.worst, **noisy, "mean in floating point %": real.mean})
     note = (
         "The errors are bit-true, which means those of the hardware, on the recorded rows. "
         + (ERRORS_OF_CLASSES if scene.labels else "")
@@ -114,18 +122,32 @@ def errors(found: Outcome) -> Table:
         + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
         "with noise of this size on every reading, in its unit."
     )
-    if not scene.group_by:
-        columns, rows = _without(3, columns), [_without(3, row) for row in rows]
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
-        columns += ["thesis largest %"]
-        rows = [[*row, figure] for row, figure in zip(rows, printed, strict=True)]
+        for row, figure in zip(rows, printed, strict=True):
+            row["thesis largest %"] = figure
         note += " Thesis: bit-true simulation of the design that this one reproduces."
-    return Table("errors", columns, rows, note)
+    return Table.of("errors", rows, note)
 
 
-def _without(place: int, cells: list[Any]) -> list[Any]:
-    return [*cells[:place], *cells[place + 1 :]]
+def in_units(scene: Scene) -> list[Table]:
+    """The errors of lengths in millimetres, and of outputs with a scale or a unit in their unit."""
+    known = zip(scene.outputs, scene_errors(scene)["bit-true"], strict=True)
+    found = [
+        (name, "mm", millimetres(error, scene.length_mm[name]))
+        for name, error in known
+        if name in scene.length_mm
+    ]
+    found += [
+        (name, scene.units.get(name, "its unit"), error)
+        for name, error in unit_errors(scene).items()
+    ]
+    rows: list[Row] = [
+        {"output": name, "in": unit, "mean": e.mean, "largest": e.largest_mean, "worst": e.worst}
+        for name, unit, e in found
+    ]
+    note = "Bit-true errors on the recorded rows; the columns are those of the errors in percent."
+    return [Table.of("errors_in_units", rows, note)] if rows else []
 
 
 def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
