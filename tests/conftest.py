@@ -16,7 +16,7 @@ from shared import Shared
 
 from golden.input_error import suggest
 from golden.layers import sharing
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from tactus.core.commands import COMMANDS, EVERYWHERE
 from tactus.core.machine import closing
 from tactus.core.store import VARIABLE
@@ -138,7 +138,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
     return Desk(tmp_path, monkeypatch, capfd)
 
 
-def on_engine(folder: Path, networks: list[Trained], **options: Any) -> Path:
+def on_engine(folder: Path, networks: list[DenseNetwork], **options: Any) -> Path:
     """A scene ``mine.toml`` of networks on an engine, written with options of ``write_scene``."""
     wanted = {"activation": "precise", "design": "engine", **options}
     return write_scene(folder, "mine", "exact", networks, **wanted)

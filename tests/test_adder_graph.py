@@ -22,10 +22,9 @@ from golden.networks.parallel import Parallel
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.numbers.signed_digits import signed_digits
-from golden.trained.dense import Dense, Quantiser, Trained, network_of
+from golden.trained.dense import Dense, DenseNetwork, Quantiser, network_of, tanh
 from golden.trained.function import read_function
 from golden.trained.function_network import of_parabolas
-from golden.trained.mlp import tanh
 from tactus.core.store import VARIABLE
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
@@ -40,7 +39,7 @@ def frames_of(inputs: int) -> np.ndarray:
     return np.concatenate([corner_frames(SIGNAL, inputs), random])
 
 
-def off(design: Design, mlp: Trained) -> np.ndarray:
+def off(design: Design, mlp: DenseNetwork) -> np.ndarray:
     """The distance of the outputs from real arithmetic that saturates, in real units."""
     frames = frames_of(design.inputs)
     real = mlp.process(SIGNAL.to_real(frames), tanh)
@@ -55,9 +54,7 @@ def off(design: Design, mlp: Trained) -> np.ndarray:
 )
 def test_a_bound_holds_where_a_node_is_not_built(design: type[Design], activation: str) -> None:
     mlp = random_mlp((3, 5, 2), 1.0, 4)
-    w2 = mlp.w2.copy()
-    w2[:, [0, 3]] = 1e-7
-    mlp = replace(mlp, w2=w2)
+    mlp.layers[1].weights[:, [0, 3]] = 1e-7
     built = design.of([mlp], Settings(EXACT, activation))
     assert built.useless_nodes == 2
     assert (off(built, mlp) <= error_bounds(built, mlp, EXACT, 3)).all()

@@ -13,8 +13,7 @@ from test_training import differences
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import Dense, Trained, layers_of, network_of, packed, unpacked
-from golden.trained.mlp import tanh
+from golden.trained.dense import Dense, DenseNetwork, network_of, packed, tanh, unpacked
 from tactus.errors import decisions_of, held_out_or_all, held_out_rows, lines_of, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
@@ -114,7 +113,7 @@ def test_wrong_percent_of_rows_and_draws() -> None:
 def test_logits_of_any_size_keep_their_decisions(hand: Path, tmp_path: Path, factor: float) -> None:
     """A network file holds logits, and one from elsewhere may have logits of any size."""
     path = write_hand(tmp_path)
-    *first, last = layers_of(load_scene(str(hand)).members[0].load())
+    *first, last = load_scene(str(hand)).members[0].load().layers
     scaled = Dense(last.weights * factor, last.biases * factor)
     write_network(tmp_path / "hand.npz", network_of([*first, scaled]))
     found = load_scene(str(path))
@@ -264,7 +263,7 @@ def test_sensors_that_end_at_the_same_reading_are_one_warning() -> None:
     assert [one.subject for one in at_ends(columns, known=(0.0,))] == ["b"]
 
 
-def objective(network: Trained) -> ClassObjective:
+def objective(network: DenseNetwork) -> ClassObjective:
     rng = np.random.default_rng(3)
 
     def rows(count: int) -> LabelledRows:
@@ -281,14 +280,14 @@ NETWORKS = [
 
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
-def test_the_gradient_is_the_differences(network: Trained) -> None:
+def test_the_gradient_is_the_differences(network: DenseNetwork) -> None:
     aim, point = objective(network), packed(network)
     _, gradient = aim.evaluate(point)
     assert np.allclose(gradient, differences(lambda x: aim.evaluate(x)[0], point), atol=1e-5)
 
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
-def test_the_curvature_is_that_of_the_cross_entropy_by_the_logits(network: Trained) -> None:
+def test_the_curvature_is_that_of_the_cross_entropy_by_the_logits(network: DenseNetwork) -> None:
     aim, point = objective(network), packed(network)
     inputs = aim.training.inputs
 

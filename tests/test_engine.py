@@ -33,17 +33,8 @@ from golden.networks.engine import Engine
 from golden.networks.oracle import engine_bounds, exact
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import (
-    ACTIVATIONS,
-    Dense,
-    DenseNetwork,
-    Quantiser,
-    Trained,
-    layers_of,
-    network_of,
-)
+from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Quantiser, network_of
 from golden.trained.function import TANH, Function
-from golden.trained.mlp import Mlp
 from hdl.common.lookup import hardware
 from tactus.cli.listing import critical_path
 from tactus.core.finding import OK, WARNING
@@ -325,7 +316,7 @@ def frames_of(inputs: int) -> Codes:
 
 
 @st.composite
-def networks(draw: st.DrawFn) -> tuple[str, list[Trained]]:
+def networks(draw: st.DrawFn) -> tuple[str, list[DenseNetwork]]:
     """One or several networks, with weights from small ones to some that need more than 18 bits."""
     arrangement = draw(st.sampled_from(["single", "multiple", "cascade"]))
     count = 1 if arrangement == "single" else draw(st.integers(2, 3))
@@ -338,15 +329,15 @@ def networks(draw: st.DrawFn) -> tuple[str, list[Trained]]:
         spread = draw(st.sampled_from([0.1, 1.0, 10.0, 100.0][: 4 if kinds == ["tanh"] else 3]))
         seed = draw(st.integers(0, 99))
         made = random_network(shape, tuple(kinds), spread, seed, functions=TABLES)
-        if isinstance(made, Mlp) and draw(st.booleans()):
+        if made.plain and draw(st.booleans()):
             # This makes a node that no output uses, and a sensor that no node uses.
-            made.w2[:, -1] = made.w1[:, 0] = 0
+            made.layers[1].weights[:, -1] = made.layers[0].weights[:, 0] = 0
         found.append(made)
     return arrangement, found
 
 
 @st.composite
-def quantised(draw: st.DrawFn) -> tuple[str, list[Trained]]:
+def quantised(draw: st.DrawFn) -> tuple[str, list[DenseNetwork]]:
     """A network with a quantiser behind each hidden layer, in each rounding that there is."""
     kinds = draw(st.lists(st.sampled_from(["relu", "linear"]), min_size=1, max_size=3))
     bits = draw(st.integers(2, 8))
@@ -367,7 +358,7 @@ def quantised(draw: st.DrawFn) -> tuple[str, list[Trained]]:
     lean=st.booleans(),
 )
 def test_every_engine_computes_the_networks_in_whole_numbers(
-    several: tuple[str, list[Trained]], width: int, lanes: int, pipeline: str, lean: bool
+    several: tuple[str, list[DenseNetwork]], width: int, lanes: int, pipeline: str, lean: bool
 ) -> None:
     arrangement, found = several
     frames = frames_of(found[0].shape[0])
@@ -425,7 +416,7 @@ def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
 
 def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
     quantiser = Quantiser(2.0**-3, 0, 0, 15)
-    layers = layers_of(random_network((4, 5, 3, 2), ("relu", "relu"), 1.0, 3, quantiser))
+    layers = random_network((4, 5, 3, 2), ("relu", "relu"), 1.0, 3, quantiser).layers
     weights = np.abs(layers[-1].weights).sum(axis=1)
     first = Dense(layers[0].weights, layers[0].biases, "tanh")
     network = network_of([first, *layers[1:]])
@@ -626,7 +617,7 @@ def test_the_overview_tells_the_clocks(name: str, clocks: int) -> None:
 
 def test_an_engine_leaves_out_the_steps_of_weights_of_0() -> None:
     network = random_mlp((3, 4, 2), 1.0, 1)
-    network.w1[:, 0] = network.w2[:, -1] = 0
+    network.layers[0].weights[:, 0] = network.layers[1].weights[:, -1] = 0
     whole = integer_networks("single", [network])
     terms = [sum(len(n.terms) for n in graph_of(whole, lean).neurons) for lean in (False, True)]
     assert terms[0] - terms[1] == 11

@@ -15,7 +15,6 @@ import pytest
 from conftest import tiered
 
 from golden.input_error import InputError
-from golden.trained.dense import layers_of
 from tactus.scene import load_scene
 from tactus.scene.image import hardware_of, scene_image
 from tactus.verify.benches.collected import CASES, CASES_OF
@@ -516,7 +515,7 @@ def test_no_frame_is_further_from_the_trained_network_than_its_bound(
         Case(shapes, "exact", seed=seed, design="engine", activation="precise"), tmp_path, "small"
     )
     given, (network,) = description(scene), scene.networks()
-    ((low, high),) = bounds(given, [layers_of(network)], scene.scheme.real)
+    ((low, high),) = bounds(given, [network.layers], scene.scheme.real)
     every = np.arange(-8192, 8192)[:, np.newaxis]
     apart = scene.twin().core.process(every) - 8192 * network.process(every / 8192)
     assert low <= apart.min()

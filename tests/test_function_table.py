@@ -22,7 +22,7 @@ from golden.networks.design import Settings
 from golden.networks.engine import Engine
 from golden.networks.oracle import engine_bounds
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
+from golden.trained.dense import Dense, DenseNetwork, network_of
 from golden.trained.function import Function
 from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
@@ -47,7 +47,7 @@ EVERY = (*SHOWN, POINTS)
 
 def network(
     shape: tuple[int, ...], kinds: tuple[str, ...], spread: float = 1.5, seed: int = 1
-) -> Trained:
+) -> DenseNetwork:
     return random_network(shape, kinds, spread, seed, functions=EVERY)
 
 

@@ -21,7 +21,7 @@ from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
-from golden.trained.dense import Quantiser, Trained
+from golden.trained.dense import DenseNetwork, Quantiser
 from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
 from tactus.verify.benches.runner import bench_input, plan, run_jobs
@@ -50,7 +50,7 @@ def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
     return load_scene(str(file))
 
 
-def engine(network: Trained, **options: object) -> Engine:
+def engine(network: DenseNetwork, **options: object) -> Engine:
     """Hardware that can be reloaded and that runs the network."""
     return Engine.of([network], Settings(options={"reload": True, **options}))
 
@@ -214,7 +214,7 @@ QUANTISERS = (
 )
 
 
-def with_relu(quantiser: Quantiser | None, depth: int = 2) -> Trained:
+def with_relu(quantiser: Quantiser | None, depth: int = 2) -> DenseNetwork:
     shape = (3, *(4,) * depth, 2)
     return random_network(shape, ("relu",) * depth, 1.0, seed=depth, quantiser=quantiser)
 

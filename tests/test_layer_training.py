@@ -20,9 +20,8 @@ from golden.input_error import InputError
 from golden.networks.constants import constants_of
 from golden.numbers.precision import SIGNAL
 from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
-from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed
+from golden.trained.dense import ACTIVATIONS, Activation, DenseNetwork, network_of, packed, tanh
 from golden.trained.function import Function
-from golden.trained.mlp import Activation, Mlp, tanh
 from tactus.cli import train as command
 from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
@@ -36,7 +35,7 @@ from tactus.train.task import task_for
 from tb.common.cases import random_network
 
 
-def objective(network: Trained, of_tanh: Activation) -> Objective:
+def objective(network: DenseNetwork, of_tanh: Activation) -> Objective:
     rng = np.random.default_rng(3)
     inputs, outputs = network.shape[0], network.shape[-1]
     parts = [
@@ -48,9 +47,9 @@ def objective(network: Trained, of_tanh: Activation) -> Objective:
     return Objective(network, of_tanh, *parts, 1e-3, 9)
 
 
-def leaky(network: Trained) -> Trained:
+def leaky(network: DenseNetwork) -> DenseNetwork:
     """Every leaky ReLU with a slope that shows."""
-    return network_of([replace(layer, leak=0.3) for layer in layers_of(network)])
+    return network_of([replace(layer, leak=0.3) for layer in network.layers])
 
 
 OWN = Function("wave", "sin(2 * x)"), Function("bell", "exp(-x * x)")
@@ -64,7 +63,9 @@ NETWORKS = [
 
 @pytest.mark.parametrize("of_tanh", [tanh, gradient_real])
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
-def test_gradient_and_jacobian_are_the_differences(network: Trained, of_tanh: Activation) -> None:
+def test_gradient_and_jacobian_are_the_differences(
+    network: DenseNetwork, of_tanh: Activation
+) -> None:
     aim, point = objective(network, of_tanh), packed(network)
     check_derivatives(aim, point)
     slopes = aim.jacobian(point)
@@ -203,12 +204,12 @@ def asking(scene: Scene, digits: int | str, **settings) -> Scene:
     return replace(scene, training=training)
 
 
-def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
+def digits_in_hardware(scene: Scene, mlp: DenseNetwork) -> int:
     """The digits of the codes with which designs compute. These codes must equal the weights."""
     found = constants_of(mlp, scene.settings(lean=False))
-    for layer, weights, biases in ((found.first, mlp.w1, mlp.b1), (found.second, mlp.w2, mlp.b2)):
-        assert np.array_equal(layer.fmt.to_real(layer.weights), weights)
-        assert np.array_equal(layer.fmt.to_real(layer.biases), biases)
+    for layer, real in zip((found.first, found.second), mlp.layers, strict=True):
+        assert np.array_equal(layer.fmt.to_real(layer.weights), real.weights)
+        assert np.array_equal(layer.fmt.to_real(layer.biases), real.biases)
     rows = [*found.first.weights, *found.second.weights]
     return sum(len(signed_digits(code)) for row in rows for code in row)
 

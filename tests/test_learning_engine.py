@@ -279,10 +279,10 @@ def test_derivatives_are_those_of_the_network(
     """By calculus on the trained network, which reads known outputs in front of it."""
     hidden = recording.hidden(taught, start(recording, taught), 0, output)
     found = taught.slopes(output, hidden) / 2**14
-    mlp = SCENE.mlps()[output]
     seen = np.hstack([SIGNAL.to_real(VECTORS.codes), SIGNAL.to_real(TARGETS)[:, :output]])
-    h = np.tanh(seen @ mlp.w1.T + mlp.b1)
-    expected = ((mlp.w2 * (1 - h * h)) @ mlp.w1)[:, :4]
+    first, second = SCENE.mlps()[output].layers
+    h = np.tanh(first.sums(seen))
+    expected = ((second.weights * (1 - h * h)) @ first.weights)[:, :4]
     np.testing.assert_allclose(found, expected, atol=0.02)
     assert np.abs(expected).max() > 0.5
 

@@ -17,7 +17,7 @@ from test_monitor import BAUD, Cable
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.networks.engine import Engine
-from golden.trained.dense import Dense, layers_of, network_of
+from golden.trained.dense import Dense, network_of
 from tactus.monitor import load as loading
 from tactus.monitor import record as recording
 from tactus.monitor.board import Board, board_of
@@ -236,7 +236,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A scene whose network, which nobody has trained, decides for each label now and then."""
     monkeypatch.chdir(tmp_path)
     path = write_hand(tmp_path, ROWS, LABELS, INSTRUMENT)
-    hidden, output = layers_of(random_network((2, 4, 3), ("relu", "linear"), 1.0, 1))
+    hidden, output = random_network((2, 4, 3), ("relu", "linear"), 1.0, 1).layers
     found = network_of((hidden, Dense(output.weights, 0 * output.biases, "linear")))
     write_network(path.with_suffix(".npz"), found)
     hardware = 'precision = "exact"\nclock_mhz = 25.0\nargmax = true'

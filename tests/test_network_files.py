@@ -20,14 +20,7 @@ from golden.input_error import InputError, MissingFileError
 from golden.networks.engine import Engine
 from golden.networks.oracle import engine_bounds
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import (
-    ACTIVATIONS,
-    Quantiser,
-    Trained,
-    layers_of,
-    network_of,
-)
-from golden.trained.mlp import Mlp
+from golden.trained.dense import ACTIVATIONS, DenseNetwork, Quantiser, network_of
 from tactus.core.finding import OK
 from tactus.network_files.network_file import (
     check_targets,
@@ -51,12 +44,12 @@ FORMS = [".npz", ".mat", ".onnx"]
 QONNX = "qonnx.custom_op.general"
 
 
-def same(one: Trained, other: Trained) -> bool:
-    return type(one) is type(other) and all(
+def same(one: DenseNetwork, other: DenseNetwork) -> bool:
+    return all(
         np.array_equal(a.weights, b.weights)
         and np.array_equal(a.biases, b.biases)
         and (a.activation_text, a.leak) == (b.activation_text, b.leak)
-        for a, b in zip(layers_of(one), layers_of(other), strict=True)
+        for a, b in zip(one.layers, other.layers, strict=True)
     )
 
 
@@ -74,7 +67,7 @@ def test_a_file_gives_the_same_network_back(tmp_path: Path, form: str, shape, ki
     """ONNX's own reference implementation computes what the network in floating point does."""
     network, path = random_network(shape, kinds, 1.0, 1), tmp_path / f"net{form}"
     if kinds[0] == "leaky_relu":
-        first, *others = layers_of(network)
+        first, *others = network.layers
         network = network_of([replace(first, leak=0.25), *others])
     write_network(path, network)
     for asked in (shape, (shape[0], 0, shape[-1])):
@@ -158,7 +151,7 @@ def test_a_network_from_a_framework(name: str) -> None:
     expected = recorded["y"].reshape(-1, shape[-1])
     # scikit-learn predicts in double precision, but float32 has only 24 bits.
     assert np.allclose(mlp.process(recorded["x"]), expected, rtol=1e-6, atol=1e-6)
-    assert min(np.abs(mlp.b1).min(), np.abs(mlp.b2).min()) > 0
+    assert all(layer.biases.all() for layer in mlp.layers)
 
 
 @pytest.mark.parametrize("name", SCALED_FILES)
@@ -180,7 +173,8 @@ def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str
     # it. Twice that leaves room for the rounding of weights, of tanh and of the output.
     (mlp,) = scene.mlps()
     lsb = 2.0**-SIGNAL.frac
-    bound = lsb * (np.abs(mlp.w2) @ (np.abs(mlp.w1).sum(axis=1) + 1) + 1)
+    first, second = (np.abs(layer.weights) for layer in mlp.layers)
+    bound = lsb * (second @ (first.sum(axis=1) + 1) + 1)
     factors = [s.factor for s in scene.scales(scene.outputs)]
     assert (np.abs(results - expected) < bound * factors).all()
     assert (bound < 0.02).all()
@@ -200,8 +194,9 @@ def graph(folder: Path, nodes, constants, inputs: int = 3, kind=TensorProto.DOUB
     return folder / "net.onnx"
 
 
-def constants(mlp: Mlp) -> dict[str, np.ndarray]:
-    return {"w1": mlp.w1.T, "b1": mlp.b1, "w2": mlp.w2.T, "b2": mlp.b2}
+def constants(mlp: DenseNetwork) -> dict[str, np.ndarray]:
+    (w1, b1), (w2, b2) = ((layer.weights.T, layer.biases) for layer in mlp.layers)
+    return {"w1": w1, "b1": b1, "w2": w2, "b2": b2}
 
 
 def node(kind: str, inputs: str, outputs: str, **attributes):
@@ -227,8 +222,7 @@ def test_matmul_and_add_as_keras_writes_them(tmp_path: Path) -> None:
     assert same(load_network(graph(tmp_path, KERAS, constants(mlp)), SHAPE), mlp)
     nodes = [node("MatMul", "x w1", "a"), node("Tanh", "a", "b"), node("MatMul", "b w2", "y")]
     found = load_network(graph(tmp_path, nodes, constants(mlp)), SHAPE)
-    assert not found.b1.any()
-    assert not found.b2.any()
+    assert not any(layer.biases.any() for layer in found.layers)
 
 
 def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
@@ -236,8 +230,8 @@ def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
     first = node("Gemm", "x w1 b1", "a", alpha=0.5, beta=2.0)
     nodes = [first, node("Tanh", "a", "b"), node("Gemm", "b w2 b2", "y")]
     found = load_network(graph(tmp_path, nodes, constants(mlp)), SHAPE)
-    assert np.allclose(found.w1, mlp.w1 / 2)
-    assert np.allclose(found.b1, mlp.b1 * 2)
+    assert np.allclose(found.layers[0].weights, mlp.layers[0].weights / 2)
+    assert np.allclose(found.layers[0].biases, mlp.layers[0].biases * 2)
 
 
 SCALED = {
@@ -300,7 +294,7 @@ def test_an_operator_that_becomes_a_table(tmp_path: Path, operator) -> None:
     (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
     network = load_network(path, SHAPE)
     assert network.activations == (f"table:{operator.op_type.lower()}",)
-    assert np.abs(x @ mlp.w1.T + mlp.b1).max() < 8
+    assert np.abs(mlp.layers[0].sums(x)).max() < 8
     assert np.allclose(network.process(x), expected, atol=1e-6)
     # The engine has it as a table.
     codes = SIGNAL.quantise(x)[0]
@@ -327,7 +321,7 @@ def test_an_operator_with_two_kinds_of_attributes_is_two_functions(tmp_path: Pat
 
 def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
     mlp = random_mlp(SHAPE, 1.0, 1)
-    fields = {"w1": mlp.w1.T, "b1": mlp.b1[None], "w2": mlp.w2.T, "b2": mlp.b2[None]}
+    fields = {name: np.atleast_2d(array) for name, array in constants(mlp).items()}
     path = tmp_path / "net.mat"
     savemat(path, {"demonetwork": fields | {"nin": 3}, "note": "trained long ago"})
     assert same(load_network(path, SHAPE), mlp)
@@ -435,8 +429,7 @@ ENDS = {
 def test_the_network_ends_in_front_of_what_tells_the_class(tmp_path: Path, name: str) -> None:
     tail, outputs, width, ending = ENDS[name]
     path = classifier(tmp_path, tail, outputs, width)
-    found, expected = load_network(path, (3, 5, width)), NETWORKS[width]
-    assert all(np.array_equal(getattr(found, n), getattr(expected, n)) for n in ("w2", "b2"))
+    assert same(load_network(path, (3, 5, width)), NETWORKS[width])
     assert held_in(path).ending == ending
 
 
@@ -590,7 +583,7 @@ def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
 
 
 @st.composite
-def networks(draw: st.DrawFn) -> Trained:
+def networks(draw: st.DrawFn) -> DenseNetwork:
     """Networks of one to four hidden layers, with a node that nothing uses."""
     kinds = draw(st.lists(st.sampled_from(list(ACTIVATIONS)), min_size=1, max_size=4))
     shape = draw(st.lists(st.integers(1, 5), min_size=len(kinds) + 2, max_size=len(kinds) + 2))
@@ -600,7 +593,7 @@ def networks(draw: st.DrawFn) -> Trained:
 
 @settings(max_examples=40)
 @given(network=networks())
-def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Trained) -> None:
+def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: DenseNetwork) -> None:
     codes = random_codes(network.shape[0], 40)
     real = network.process(SIGNAL.to_real(codes))
     wanted = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
@@ -620,7 +613,7 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
 )
 @pytest.mark.parametrize("activation", ["tanh", "hard_tanh"])
 def test_weights_that_no_format_holds_are_refused(activation, place, layer, size) -> None:
-    layers = list(layers_of(random_network((3, 4, 2), (activation,), 1.0, 1)))
+    layers = list(random_network((3, 4, 2), (activation,), 1.0, 1).layers)
     getattr(layers[layer], place)[1] = size
     with pytest.raises(
         InputError, match=rf"layer {layer + 1}: node 2: got a weight or a bias that takes \d+ prod"

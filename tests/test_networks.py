@@ -1,7 +1,6 @@
 """Tests whole networks: bit-true against float, extreme weights, figures of the thesis, AXI."""
 
 import itertools
-from dataclasses import replace
 from fractions import Fraction
 from math import floor
 from pathlib import Path
@@ -28,7 +27,7 @@ from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
 from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
-from golden.trained.mlp import Mlp
+from golden.trained.dense import mlp_of
 from tactus.errors import held_out_means
 from tactus.report.measure.networks import scenes
 from tactus.scene import Scene, load_scene, scene_names, thesis_figures
@@ -89,10 +88,10 @@ def test_thesis_normalisation_is_equation_4_16() -> None:
 def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: float) -> None:
     """The next smaller one is accepted. Beyond int64, conversion depends on the processor."""
     small, none = np.full((1, 2), 0.3), np.zeros(1)
-    far = Mlp(weight * np.ones((1, 2)), none, np.ones((1, 1)), none)
+    far = mlp_of(weight * np.ones((1, 2)), none, np.ones((1, 1)), none)
     if place == "layer 2":
-        far = Mlp(small, none, np.full((1, 1), weight), none)
-        largest = replace(far, w2=np.full((1, 1), 2.0**30 - 1), b1=np.full(1, 0.5))
+        far = mlp_of(small, none, np.full((1, 1), weight), none)
+        largest = mlp_of(small, np.full(1, 0.5), np.full((1, 1), 2.0**30 - 1), none)
         assert Hybrid.of([largest], Settings(THESIS, "gradient")).output_integral.factors == (
             2**30 - 1,
         )
@@ -114,17 +113,18 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     # Each term has an error of one LSB of a weight, a product or q, which its weight carries to the
     # output. A q on the other side of a border adds the step of the scheme there. This step is 126
     # LSB at 0, where the first intercept changes its sign, and at most 44 LSB elsewhere.
+    first, second = mlp.layers
     if name == "exact":
-        bound = (3 + np.abs(mlp.w2).sum(axis=1) * 130) / 8192
+        bound = (3 + np.abs(second.weights).sum(axis=1) * 130) / 8192
     else:
-        y = normalisation(mlp.w2, mlp.b2)
-        q = normalisation(mlp.w1, mlp.b1).max()
-        bound = (y * 10 + np.abs(mlp.w2).sum(axis=1) * (8 * q + 130)) / 8192
+        y = normalisation(second.weights, second.biases)
+        q = normalisation(first.weights, first.biases).max()
+        bound = (y * 10 + np.abs(second.weights).sum(axis=1) * (8 * q + 130)) / 8192
     assert (np.abs(results - exact) <= bound).all()
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
-    mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
+    mlp = mlp_of(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(InputError, match="hidden node 0: its normalised sum needs 15 bits"):
         Hybrid.of([mlp], Settings(THESIS, "gradient"))
 

@@ -252,11 +252,12 @@ def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, capsys) -> N
     gains = np.array([told["correction"][name]["gain"] for name in scene.sensors])
     offsets = np.array([told["correction"][name]["offset"] for name in scene.sensors])
     for old, new in zip(scene.mlps(), copy.mlps(), strict=True):
-        assert new.w1[:, :4] == pytest.approx(old.w1[:, :4] * gains)
-        assert new.b1 == pytest.approx(old.b1 + old.w1[:, :4] @ offsets)
-        assert (new.w1[:, 4:] == old.w1[:, 4:]).all()
-        assert (new.w2 == old.w2).all()
-        assert (new.b2 == old.b2).all()
+        (first, second), (one, two) = old.layers, new.layers
+        assert one.weights[:, :4] == pytest.approx(first.weights[:, :4] * gains)
+        assert one.biases == pytest.approx(first.biases + first.weights[:, :4] @ offsets)
+        assert (one.weights[:, 4:] == first.weights[:, 4:]).all()
+        assert (two.weights == second.weights).all()
+        assert (two.biases == second.biases).all()
     correction = [Scale(o, g) for o, g in zip(offsets, gains, strict=True)]
     now = now_read(scene, correction, scene.vectors().inputs)
     assert copy.vectors().inputs == pytest.approx(now, abs=1e-8)

@@ -150,9 +150,18 @@ def test_what_stands_in_the_way_is_named(desk: Desk, call: str, name: str, words
 
 
 MLP = random_mlp((3, 5, 2), 1.0, 1)
-ROWS = {"w1": MLP.w1, "b1": MLP.b1, "w2": MLP.w2, "b2": MLP.b2}
-COLUMNS = {"w1": MLP.w1.T, "b1": MLP.b1[None], "w2": MLP.w2.T, "b2": MLP.b2[None]}
-NONE = {"w1": np.zeros((0, 3)), "b1": np.zeros(0), "w2": np.zeros((2, 0)), "b2": MLP.b2}
+ROWS = {
+    f"{kind}{n}": array
+    for n, layer in enumerate(MLP.layers, start=1)
+    for kind, array in (("w", layer.weights), ("b", layer.biases))
+}
+COLUMNS = {name: array.T if "w" in name else array[None] for name, array in ROWS.items()}
+NONE = {
+    "w1": np.zeros((0, 3)),
+    "b1": np.zeros(0),
+    "w2": np.zeros((2, 0)),
+    "b2": ROWS["b2"],
+}
 
 
 def npz(**changed: Any) -> bytes:
@@ -199,7 +208,7 @@ def netlab(**changed: Any) -> bytes:
 def onnx_file(**changed: Any) -> bytes:
     """A network in which some constants are replaced."""
     ends = [[helper.make_tensor_value_info(n, TensorProto.DOUBLE, [None, 3])] for n in "xy"]
-    constants = COLUMNS | {"b1": MLP.b1, "b2": MLP.b2} | changed
+    constants = COLUMNS | {"b1": ROWS["b1"], "b2": ROWS["b2"]} | changed
     tensors = [
         value if isinstance(value, TensorProto) else numpy_helper.from_array(np.array(value), name)
         for name, value in constants.items()
@@ -216,7 +225,7 @@ def onnx_file(**changed: Any) -> bytes:
 
 def tensor(**fields: Any) -> TensorProto:
     """The weights of layer 1 with some fields changed, or removed if the value is None."""
-    made = numpy_helper.from_array(MLP.w1.T, "w1")
+    made = numpy_helper.from_array(ROWS["w1"].T, "w1")
     for name, value in fields.items():
         made.ClearField(name)
         if name == "dims":
@@ -244,13 +253,19 @@ NPZ = {
     "code": (npy("__import__('os')"), "not an NPZ of numbers"),
     "an endless header": (npy("(" * 5000), "not an NPZ of numbers"),
     "objects": (npz(w1=np.array([object()])), "not an NPZ of numbers"),
-    "complex": (npz(w1=MLP.w1 + 1j), "w1: got complex128, expected real numbers"),
+    "complex": (npz(w1=ROWS["w1"] + 1j), "w1: got complex128, expected real numbers"),
     "dates": (npz(b1=np.full(5, np.datetime64(1, "D"))), "b1: got datetime64[D], expected real"),
     "an array is missing": (npz(w2=None), "no array 'w2', got w1, b1, b2"),
-    "transposed": (npz(w1=MLP.w1.T), "w1: got shape (3, 5), expected (5, 3) of .*; it is transp"),
+    "transposed": (
+        npz(w1=ROWS["w1"].T),
+        "w1: got shape (3, 5), expected (5, 3) of .*; it is transp",
+    ),
     "a number": (npz(b1=5.0), "b1: got shape (), expected (5,) of a 3:5:2 network"),
-    "NaN": (npz(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
-    "does not fit": (npz(w1=MLP.w1 * 1e300), "layer 1 weights: largest magnitude"),
+    "NaN": (
+        npz(b2=ROWS["b2"] * np.nan),
+        "b2: got NaN or infinity, expected finite numbers",
+    ),
+    "does not fit": (npz(w1=ROWS["w1"] * 1e300), "layer 1 weights: largest magnitude"),
 }
 MAT = {
     "empty": (b"", "not a MATLAB file up to version 7"),
@@ -267,8 +282,14 @@ MAT = {
     "no network": (mat({"a": 1}), "got 0 networks among the variables a, expected one with"),
     "two networks": (mat({"a": COLUMNS, "b": COLUMNS}), "got 2 networks among the variables a, b"),
     "a field is missing": (netlab(w2=None), "got 0 networks among the variables net"),
-    "transposed": (netlab(w1=MLP.w1), "w1: got shape (5, 3), expected (3, 5) of .*; it is transp"),
-    "sparse": (netlab(w1=csc_matrix(MLP.w1.T)), "w1: got object, expected real numbers"),
+    "transposed": (
+        netlab(w1=ROWS["w1"]),
+        "w1: got shape (5, 3), expected (3, 5) of .*; it is transp",
+    ),
+    "sparse": (
+        netlab(w1=csc_matrix(ROWS["w1"].T)),
+        "w1: got object, expected real numbers",
+    ),
 }
 ONNX = {
     "empty": (b"", "got 0 inputs and 0 outputs, expected a graph with one of each"),

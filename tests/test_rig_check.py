@@ -13,7 +13,7 @@ from refused import Desk
 from shared import run
 
 from golden.numbers.precision import SIGNAL
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork, packed, unpacked
 from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.export.__main__ import export_scene
@@ -320,20 +320,25 @@ def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
 
 
 RIGHT = random_mlp((3, 5, 2), 1.0, 2)
+
+
+def changed(**outputs: np.ndarray) -> DenseNetwork:
+    """The network with another output layer."""
+    first, second = RIGHT.layers
+    return DenseNetwork((first, replace(second, **outputs)))
+
+
 # Networks that fit the formats, and their outputs that always saturate.
 WRONG = {
-    "weights of 100": (replace(RIGHT, w2=np.full((2, 5), 100.0)), ["y0", "y1"]),
-    "all weights of 100": (
-        Mlp(*(np.full(a.shape, 100.0) for a in vars(RIGHT).values())),
-        ["y0", "y1"],
-    ),
-    "a bias of 50,000": (replace(RIGHT, b2=np.array([50_000.0, 0.1])), ["y0"]),
-    "a bias of -50,000": (replace(RIGHT, b2=np.array([0.1, -50_000.0])), ["y1"]),
+    "weights of 100": (changed(weights=np.full((2, 5), 100.0)), ["y0", "y1"]),
+    "all weights of 100": (unpacked(np.full_like(packed(RIGHT), 100.0), RIGHT), ["y0", "y1"]),
+    "a bias of 50,000": (changed(biases=np.array([50_000.0, 0.1])), ["y0"]),
+    "a bias of -50,000": (changed(biases=np.array([0.1, -50_000.0])), ["y1"]),
 }
 
 
 def saturating_scene(
-    folder: Path, mlp: Mlp, design: str = "hybrid", activation: str = "gradient"
+    folder: Path, mlp: DenseNetwork, design: str = "hybrid", activation: str = "gradient"
 ) -> Scene:
     path = write_scene(folder, "rig", "exact", [RIGHT], design=design, activation=activation)
     save_network(path.with_suffix(".npz"), mlp, {})

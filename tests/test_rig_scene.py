@@ -12,9 +12,8 @@ import pytest
 from shared import run
 
 from golden.input_error import InputError
-from golden.trained.dense import layers_of, network_of
+from golden.trained.dense import mlp_of, network_of
 from golden.trained.function import Function
-from golden.trained.mlp import Mlp
 from tactus.core.finding import FAULT, OK, WARNING
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.network_files.network_file import save_network, save_networks, write_network
@@ -74,7 +73,7 @@ def test_a_scene_for_a_network_from_elsewhere(tmp_path: Path, name: str, times: 
     """It computes what the file does, whatever the range of the readings."""
     network, file = NETWORKS[name], tmp_path / "nets" / name
     file.parent.mkdir()
-    layers = list(layers_of(network))
+    layers = list(network.layers)
     layers[0] = replace(layers[0], weights=layers[0].weights / times)
     write_network(file, network_of(layers))
     sensors = {key: times * np.asarray(TABLE[key]) for key in ("s1", "s2", "s3")}
@@ -281,7 +280,7 @@ def test_awkward_names_stay_what_they_are(tmp_path: Path) -> None:
     networks = [random_mlp((one.inputs, 2, 1), 1.0, n) for n, one in enumerate(scene.members)]
     save_networks([(p, mlp, {}) for p, mlp in zip(scene.weights_paths, networks, strict=True)])
     for member, mlp in zip(scene.members, networks, strict=True):
-        assert np.array_equal(member.load().w1, mlp.w1)
+        assert np.array_equal(member.load().layers[0].weights, mlp.layers[0].weights)
     assert {file.name for file in scene.network_files} == {"my-rig.npz"}
 
 
@@ -346,7 +345,7 @@ def test_what_a_network_misses_tells_something(tmp_path: Path) -> None:
     assert missed_by_networks(scene, scene.sensors) == set(scene.sensors)
     scene = rail(tmp_path, dead=noise(1))
     for path, inputs in zip(scene.weights_paths, (6, 7), strict=True):
-        nothing = Mlp(np.zeros((1, inputs)), np.zeros(1), np.ones((1, 1)), np.zeros(1))
+        nothing = mlp_of(np.zeros((1, inputs)), np.zeros(1), np.ones((1, 1)), np.zeros(1))
         save_network(path, nothing, {})
     scene = scaled(load_scene(str(scene.path)))
     assert not missed_by_networks(scene, scene.sensors)

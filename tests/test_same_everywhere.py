@@ -161,9 +161,9 @@ def code(value: Fraction, fmt: Fix) -> int:
 def test_weights_are_the_nearest_codes_of_exact_quotients(name: str) -> None:
     scene = load_scene(name)
     for mlp in scene.mlps():
-        for weights, biases in ((mlp.w1, mlp.b1), (mlp.w2, mlp.b2)):
-            layer = quantised(weights, biases, scene.precision, name)
-            for row, (bias, factor) in enumerate(zip(biases, layer.factors, strict=True)):
-                real = [Fraction(float(v)) / factor for v in [*weights[row], bias]]
+        for given in mlp.layers:
+            layer = quantised(given, scene.precision, name)
+            for row, (bias, factor) in enumerate(zip(given.biases, layer.factors, strict=True)):
+                real = [Fraction(float(v)) / factor for v in [*given.weights[row], bias]]
                 found = [*layer.weights[row], layer.biases[row]]
                 assert found == [code(v, layer.fmt) for v in real]

@@ -15,8 +15,7 @@ from refused import call
 from golden.common.block import walk
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Trained
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 from tactus.export.exporter import MANIFEST, export
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
@@ -46,7 +45,7 @@ def found() -> tuple[Scene, list[Sized]]:
     return scene, rows
 
 
-def auto(folder: Path, lines: str, *networks: Trained) -> Scene:
+def auto(folder: Path, lines: str, *networks: DenseNetwork) -> Scene:
     """A small scene whose design is to be chosen."""
     networks = networks or [random_mlp((2, 3, 3), 1.0, 4)]
     path = write_scene(folder, "small", "exact", networks, design="auto", hardware=lines)
@@ -249,12 +248,12 @@ def same_results(scene: Scene) -> None:
     assert (whole.process(frames) == lean.process(frames)).all()
 
 
-def with_zeros() -> Mlp:
+def with_zeros() -> DenseNetwork:
     """A network in which no output uses node 2, and some other weights are 0."""
     mlp = random_mlp((3, 4, 2), 1.0, 3)
-    mlp.w1[0, 1] = mlp.w1[3, 0] = 0
-    mlp.w2[:, 2] = 0
-    mlp.w2[0, 1] = 0
+    first, second = mlp.layers
+    first.weights[0, 1] = first.weights[3, 0] = 0
+    second.weights[:, 2] = second.weights[0, 1] = 0
     return mlp
 
 

@@ -16,8 +16,7 @@ from golden.input_error import InputError
 from golden.networks.cascade import Cascade
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import packed, unpacked
-from golden.trained.mlp import tanh
+from golden.trained.dense import packed, tanh, unpacked
 from tactus.cli import train as command
 from tactus.network_files.network_file import read_provenance
 from tactus.report.draw.outcome import along_plot
@@ -142,7 +141,10 @@ def test_every_activation_can_be_trained(small_scene: Scene, activation: str) ->
     results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
     exact = np.clip(mlp.process(vectors.inputs, scene.scheme.real), -1, SIGNAL.high / 8192)
     # A q on the other side of a border adds the step of the scheme there, which is at most 0.03.
-    assert np.abs(results - exact).max() < 0.002 + 0.03 * np.abs(mlp.w2).sum(axis=1).max()
+    assert (
+        np.abs(results - exact).max()
+        < 0.002 + 0.03 * np.abs(mlp.layers[1].weights).sum(axis=1).max()
+    )
     spread = np.abs(results - vectors.targets).mean()
     assert spread < np.abs(vectors.targets - vectors.targets.mean(axis=0)).mean()
 

@@ -24,7 +24,7 @@ from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, Precision
-from golden.trained.mlp import tanh
+from golden.trained.dense import tanh
 
 # The default of where the tables are stored.
 MEMORY = "block_ram"

@@ -12,7 +12,7 @@ from golden.common.block import Block
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, SIGNAL, Precision
-from golden.trained.mlp import tanh
+from golden.trained.dense import tanh
 
 # The default of where the coefficients are stored.
 COEFFICIENTS = "logic"

@@ -11,7 +11,7 @@ from typing import Any
 from golden.activation.activation_block import ActivationBlock
 from golden.input_error import InputError, suggest
 from golden.numbers.precision import EXACT, PRECISIONS, Precision
-from golden.trained.mlp import Activation
+from golden.trained.dense import Activation
 
 
 @dataclass(frozen=True)

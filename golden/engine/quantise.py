@@ -39,7 +39,7 @@ from golden.engine.sums_of_functions import added_up
 from golden.input_error import InputError, naming
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Trained, layers_of
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import TANH
 
 # The least and the largest word.
@@ -61,7 +61,7 @@ class PlannedLayer:
     values: list[Value]
 
 
-def exact_layers(network: Trained) -> list[Exact]:
+def exact_layers(network: DenseNetwork) -> list[Exact]:
     """The layers of a network, with sigmoid replaced by tanh.
 
     Behind a quantiser, words are differences from the lowest code. The biases of the next layer
@@ -69,8 +69,7 @@ def exact_layers(network: Trained) -> list[Exact]:
     """
     found: list[Exact] = []
     halved = False
-    layers = layers_of(network)
-    for number, layer in enumerate(layers, start=1):
+    for number, layer in enumerate(network.layers, start=1):
         weights, biases = _fractions(layer.weights), _fractions(layer.biases)
         if halved:
             weights = weights / 2
@@ -90,7 +89,7 @@ def exact_layers(network: Trained) -> list[Exact]:
         if layer.activation in ("tanh", "sigmoid"):
             functions = (TANH,) * layer.nodes
         kind = "table" if functions else layer.activation
-        output = number == len(layers)
+        output = number == len(network.layers)
         found.append(
             Exact(number, kind, Fraction(layer.leak), weights, biases, grid, functions, output)
         )
@@ -106,7 +105,9 @@ def first_values(samples: int, earlier: int) -> list[Value]:
     return found + [Value(k, one, RESULT, _LOW, _HIGH, earlier=True) for k in more]
 
 
-def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[PlannedLayer]:
+def planned(
+    network: DenseNetwork, values: list[Value], met: Sequence[float] = ()
+) -> list[PlannedLayer]:
     """Every layer of a network whose inputs are ``values``, in codes and formats.
 
     ``met`` is what ``hidden_peaks`` finds on recorded frames; without it every range is from
@@ -124,7 +125,7 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
 
 def integer_networks(
     arrangement: str,
-    networks: Sequence[Trained],
+    networks: Sequence[DenseNetwork],
     met: Sequence[Sequence[float]] = (),
     segment_width: int = SEGMENT_WIDTH,
 ) -> tuple[IntegerNetwork, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.numbers.fixed import Fix
 from golden.numbers.real import Real
-from golden.trained.dense import Trained, forward_passes, layers_of
+from golden.trained.dense import DenseNetwork, forward_passes
 
 # The bits that the largest word of the recorded frames must have, beside its sign, for the bounds
 # to be good enough. A word is rounded by half a unit. The rounding of a weight moves the word by up
@@ -70,7 +70,7 @@ def frac_of(met: float, width: int) -> int:
     )
 
 
-def hidden_peaks(network: Trained, inputs: Real) -> tuple[float, ...]:
+def hidden_peaks(network: DenseNetwork, inputs: Real) -> tuple[float, ...]:
     """The largest magnitude of the words of each hidden layer, in floating point.
 
     inputs, shape (frames, inputs): Inputs of the network, as signals.
@@ -84,13 +84,13 @@ def hidden_peaks(network: Trained, inputs: Real) -> tuple[float, ...]:
     return tuple(float(f"{np.abs(w).max(initial=0.0):.6g}") for w in words)
 
 
-def function_input_ranges(network: Trained, inputs: Real) -> tuple[tuple[float, float], ...]:
+def function_input_ranges(network: DenseNetwork, inputs: Real) -> tuple[tuple[float, float], ...]:
     """The least and the largest sum of each node of the last hidden layer, in floating point.
 
     Only for nodes that have functions of their own; without them there are none. The parameters
     are those of ``hidden_peaks``.
     """
-    *_, layer, _ = (None, *layers_of(network))
+    *_, layer, _ = (None, *network.layers)
     if layer is None or not layer.functions:
         return ()
     *_, last, _ = forward_passes(network, inputs)

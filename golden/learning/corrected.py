@@ -61,8 +61,8 @@ from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.real import Real
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import TANH
-from golden.trained.mlp import Mlp
 
 # The lowest bits of a word that are dropped when it takes the place of a weight.
 SHORT = SAMPLE_SHIFT
@@ -99,7 +99,7 @@ class Corrected:
     offsets: Codes
 
     @classmethod
-    def of(cls, mlps: Sequence[Mlp], gain: Real, offset: Real) -> Corrected:
+    def of(cls, mlps: Sequence[DenseNetwork], gain: Real, offset: Real) -> Corrected:
         """Trained networks of a cascade, in whole numbers.
 
         gain, offset, shape (sensors,): Standard deviations of the expected drift, the offset as a

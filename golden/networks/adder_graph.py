@@ -28,8 +28,7 @@ from golden.networks.matrix_network import (
 from golden.networks.network import CHUNK
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
-from golden.trained.dense import Trained
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 
 # The options of a scene that does not set them: the most adders between two registers, the most
 # operands of an adder, the bits of a word, which are then those of ``whole_layers``, and the runs
@@ -86,12 +85,12 @@ class AdderGraph(AtOnce):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         options: dict[str, Any] = {**OPTIONS, **settings.options}
         options |= {"memory": MEMORY, **settings.activation_options}
         chosen = MatrixOptions(**options, prefix=f"{variant}_" if variant else "")
-        if len(networks) > 1 or isinstance(networks[0], Mlp):
+        if len(networks) > 1 or networks[0].plain:
             if chosen.word_width:
                 raise InputError(
                     f"hardware.word_width: got {chosen.word_width}, expected none: a hidden layer "
@@ -103,7 +102,11 @@ class AdderGraph(AtOnce):
 
     @classmethod
     def _of_tanh(
-        cls, networks: Sequence[Trained], settings: Settings, chosen: MatrixOptions, variant: str
+        cls,
+        networks: Sequence[DenseNetwork],
+        settings: Settings,
+        chosen: MatrixOptions,
+        variant: str,
     ) -> Self:
         """The design of networks of one hidden layer of tanh."""
         constants = beside([constants_of(mlp, settings) for mlp in cls.plain(networks)])

@@ -13,8 +13,7 @@ from golden.networks.design import DEFAULTS, Design, Settings
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
 from golden.numbers.real import Real
-from golden.trained.dense import Trained
-from golden.trained.mlp import Activation
+from golden.trained.dense import Activation, DenseNetwork
 
 ARRANGEMENTS = ("single", "multiple", "cascade")
 
@@ -33,7 +32,7 @@ def seen(
 
 
 def process_real(
-    arrangement: str, networks: Sequence[Trained], samples: Real, activation: Activation
+    arrangement: str, networks: Sequence[DenseNetwork], samples: Real, activation: Activation
 ) -> Real:
     """Outputs of all networks in floating point, shape (frames, outputs)."""
     results: list[Real] = []
@@ -44,7 +43,7 @@ def process_real(
 
 def arrange(
     arrangement: str,
-    trained: Sequence[Trained],
+    trained: Sequence[DenseNetwork],
     design: type[Design],
     settings: Settings = DEFAULTS,
 ) -> Network:

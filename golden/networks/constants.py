@@ -14,8 +14,7 @@ from golden.layers.weighted_sum import NodeSum
 from golden.networks.design import Settings
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL, Precision, normalisation
-from golden.numbers.real import Real
-from golden.trained.mlp import Mlp
+from golden.trained.dense import Dense, DenseNetwork
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,9 @@ class Layer:
         return replace(self, weights=tuple(tuple(row[j] for j in kept) for row in self.weights))
 
 
-def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
+def quantised(layer: Dense, precision: Precision, name: str) -> Layer:
     """A layer in the formats of a precision, normalised where the precision demands it."""
+    weights, biases = layer.weights, layer.biases
     factors = (
         normalisation(weights, biases, name)
         if precision.normalise
@@ -61,6 +61,15 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
     return Layer(rows, tuple(bias_codes.tolist()), fmt, tuple(factors.tolist()))
 
 
+def layers_in_codes(mlp: DenseNetwork, precision: Precision) -> tuple[Layer, Layer]:
+    """Both layers of a network of one hidden layer, with all of its nodes."""
+    first, second = mlp.layers
+    return (
+        quantised(first, precision, "layer 1 weights"),
+        quantised(second, precision, "layer 2 weights"),
+    )
+
+
 @dataclass(frozen=True)
 class Constants:
     """A network of two layers in codes, and the activation of each hidden node.
@@ -77,7 +86,7 @@ class Constants:
     useless_nodes: int
 
 
-def constants_of(mlp: Mlp, settings: Settings) -> Constants:
+def constants_of(mlp: DenseNetwork, settings: Settings) -> Constants:
     """Quantise a trained network and choose its activations; every design takes what comes out.
 
     settings: Those of the precision and the activation matter.
@@ -86,8 +95,7 @@ def constants_of(mlp: Mlp, settings: Settings) -> Constants:
     changes no output. One node is always built, because a network has at least one.
     """
     precision, lean = settings.precision, settings.lean
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    first, second = layers_in_codes(mlp, precision)
     hidden = range(len(first.biases))
     used = used_nodes(second) if lean else list(hidden)
     first, second = first.of_neurons(used), second.of_inputs(used)

@@ -15,9 +15,8 @@ from golden.layers.argmax import ArgmaxTree
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, Precision
-from golden.trained.dense import Trained, layers_of
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import table_names
-from golden.trained.mlp import Mlp
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ class Design(Network):
     @classmethod
     def of(
         cls,
-        networks: Sequence[Trained],
+        networks: Sequence[DenseNetwork],
         settings: Settings = DEFAULTS,
         arrangement: str = "single",
         variant: str = "",
@@ -128,12 +127,12 @@ class Design(Network):
         return cls.build(networks, settings, arrangement, variant)
 
     @classmethod
-    def _refuse_large(cls, network: Trained) -> None:
+    def _refuse_large(cls, network: DenseNetwork) -> None:
         """Refuse what cannot be built, before minutes pass in which its weights are quantised.
 
         Only weights and nodes count that are not left out.
         """
-        layers = layers_of(network)
+        layers = network.layers
         count = sum(np.count_nonzero(layer.weights) for layer in layers)
         nodes = sum(int((a.weights.any(1) & b.weights.any(0)).sum()) for a, b in pairwise(layers))
         nodes += network.shape[0] + network.shape[-1]
@@ -157,7 +156,7 @@ class Design(Network):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         """Make the design for ``of``, from settings that are already checked."""
         raise NotImplementedError
@@ -180,11 +179,11 @@ class Design(Network):
         return 0.0
 
     @classmethod
-    def plain(cls, networks: Sequence[Trained]) -> list[Mlp]:
+    def plain(cls, networks: Sequence[DenseNetwork]) -> list[DenseNetwork]:
         """The networks, for a design whose networks all have one hidden layer of tanh."""
         found = []
         for network in networks:
-            if not isinstance(network, Mlp):
+            if not network.plain:
                 several = ((kind, len(table_names(kind))) for kind in network.activations)
                 kinds = [kind if n < MOST_NAMED else f"{n} functions" for kind, n in several]
                 raise InputError(

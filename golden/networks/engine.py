@@ -31,7 +31,7 @@ from golden.networks.design import Design, Settings
 from golden.networks.network import CHUNK
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, SIGNAL
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import TANH
 
 MOST_LANES = 16
@@ -93,7 +93,7 @@ class Engine(Design):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         chosen: dict[str, Any] = {
             "lanes": 1,
@@ -182,7 +182,7 @@ class Engine(Design):
 
     def image_for(
         self,
-        networks: Sequence[Trained],
+        networks: Sequence[DenseNetwork],
         arrangement: str = "single",
         met: Sequence[Sequence[float]] = (),
     ) -> Image:

@@ -18,7 +18,7 @@ from golden.networks.constants import constants_of
 from golden.networks.design import Design, Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Hybrid(Design):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         (mlp,) = cls.plain(networks)
         constants = constants_of(mlp, settings)

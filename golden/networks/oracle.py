@@ -19,7 +19,7 @@ from golden.engine.quantise import PlannedLayer, first_values, planned
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.weighted_sum import WeightedSum
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.constants import Layer, quantised, used_nodes
+from golden.networks.constants import Layer, layers_in_codes, used_nodes
 from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
@@ -28,13 +28,12 @@ from golden.networks.parallel import Parallel
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
 from golden.numbers.real import Real
-from golden.trained.dense import DenseNetwork, Trained
+from golden.trained.dense import Dense, DenseNetwork
 from golden.trained.function import Function
-from golden.trained.mlp import Mlp
 
 
 def two_layer_bounds(
-    mlp: Mlp, precision: Precision, activations: Sequence[ActivationBlock]
+    mlp: DenseNetwork, precision: Precision, activations: Sequence[ActivationBlock]
 ) -> Real:
     """The bound of the error of each output.
 
@@ -43,15 +42,14 @@ def two_layer_bounds(
     from the activation and from the rounding of q. The weights of a node that is not built are
     rounded to 0, so it is part of the error of rounding alone.
     """
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    first, second = layers_in_codes(mlp, precision)
     built = built_nodes(second, len(activations))
-    q_off = _rounded(mlp.w1, mlp.b1, first, precision, precision.hidden_fmt.frac)
+    q_off = _rounded(mlp.layers[0], first, precision, precision.hidden_fmt.frac)
     r_off = q_off[built] + [
         activation_error(a, first.factors[j]) for a, j in zip(activations, built, strict=True)
     ]
-    result: Real = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
-    return result + np.abs(mlp.w2[:, built]) @ r_off
+    result: Real = _rounded(mlp.layers[1], second, precision, SIGNAL.frac)
+    return result + np.abs(mlp.layers[1].weights[:, built]) @ r_off
 
 
 def built_nodes(second: Layer, count: int) -> list[int]:
@@ -61,7 +59,7 @@ def built_nodes(second: Layer, count: int) -> list[int]:
 
 
 def engine_bounds(
-    network: Trained, segment_width: int, sensors: int, met: Sequence[float] = ()
+    network: DenseNetwork, segment_width: int, sensors: int, met: Sequence[float] = ()
 ) -> Real:
     """How far each output of a network in an engine can be from real arithmetic that saturates.
 
@@ -126,7 +124,7 @@ def layered_bounds(
 
 
 def _through(
-    network: Trained,
+    network: DenseNetwork,
     values: list[Value],
     met: Sequence[float],
     errors: Real,
@@ -172,28 +170,26 @@ def _steepest(function: Function) -> float:
     return float(np.abs(np.diff(function.value(q))).max() * 2.0**HIDDEN.frac)
 
 
-def _rounded(
-    weights: Real, biases: Real, layer: Layer, precision: Precision, out_frac: int
-) -> Real:
+def _rounded(real: Dense, layer: Layer, precision: Precision, out_frac: int) -> Real:
     """How far a layer's sums can be off for samples of magnitude 1 at most, shape (neurons,).
 
     The error has three parts: the rounding of weights and bias, one LSB for each product from which
     bits are dropped, and half an LSB of the result.
     """
     factors = np.asarray(layer.factors, dtype=np.float64)
-    total = _coefficients_off(weights, biases, layer)
+    total = _coefficients_off(real, layer)
     acc_frac = SIGNAL.frac + layer.fmt.frac - precision.product_shift
-    cut = weights.shape[1] * 2.0**-acc_frac if precision.product_shift else 0.0
+    cut = real.weights.shape[1] * 2.0**-acc_frac if precision.product_shift else 0.0
     half = 2.0 ** -(out_frac + 1) if acc_frac > out_frac else 0.0
     result: Real = total + factors * (cut + half)
     return result
 
 
-def _coefficients_off(weights: Real, biases: Real, layer: Layer) -> Real:
+def _coefficients_off(real: Dense, layer: Layer) -> Real:
     """How far rounded weights and biases put sums off, shape (neurons,)."""
     factors = np.asarray(layer.factors, dtype=np.float64)
-    off: Real = np.abs(weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights))
-    return off.sum(axis=1) + np.abs(biases - factors * layer.fmt.to_real(layer.biases))
+    off: Real = np.abs(real.weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights))
+    return off.sum(axis=1) + np.abs(real.biases - factors * layer.fmt.to_real(layer.biases))
 
 
 @lru_cache(maxsize=256)
@@ -337,7 +333,7 @@ def _(design: AdderGraph) -> list[Sequence[int]]:
 
 @singledispatch
 def error_bounds(
-    design: Design, mlp: Trained, precision: Precision, sensors: int, met: Sequence[float] = ()
+    design: Design, mlp: DenseNetwork, precision: Precision, sensors: int, met: Sequence[float] = ()
 ) -> Real:
     """How far each output can be from real arithmetic that saturates, in real units.
 
@@ -345,42 +341,49 @@ def error_bounds(
     sensors: How many inputs are samples; the others are outputs of earlier networks.
     met: Where the ranges of layers are from the data; see ``golden.engine.quantise.planned``.
     """
-    assert isinstance(mlp, Mlp)
+    assert mlp.plain
     return two_layer_bounds(mlp, precision, exact_layers(design).activations)
 
 
 @error_bounds.register
 def _(
-    design: Engine, mlp: Trained, _precision: Precision, sensors: int, met: Sequence[float] = ()
+    design: Engine,
+    mlp: DenseNetwork,
+    _precision: Precision,
+    sensors: int,
+    met: Sequence[float] = (),
 ) -> Real:
     return engine_bounds(mlp, design.program.segment_width, sensors, met)
 
 
 @error_bounds.register
 def _(
-    design: AdderGraph, mlp: Trained, precision: Precision, _sensors: int, met: Sequence[float] = ()
+    design: AdderGraph,
+    mlp: DenseNetwork,
+    precision: Precision,
+    _sensors: int,
+    met: Sequence[float] = (),
 ) -> Real:
-    if isinstance(mlp, DenseNetwork):
+    if not mlp.plain:
         return layered_bounds(mlp, design.layers, design.activations, met)
     # ConstantMatrix.errors is the part of the error that comes from dropped bits.
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    first, second = layers_in_codes(mlp, precision)
     (hidden, outputs), (activations,) = design.layers, design.activations
     built = built_nodes(second, len(activations))
-    q_off = _off(mlp.w1[built], mlp.b1[built], first.of_neurons(built), hidden)
+    q_off = _off(mlp.layers[0], first, built, hidden)
     r_off = q_off + [activation_error(a, 1) for a in activations]
-    y_off = _off(mlp.w2, mlp.b2, second, outputs)
-    result: Real = y_off + np.abs(mlp.w2[:, built]) @ r_off
+    y_off = _off(mlp.layers[1], second, range(len(second.biases)), outputs)
+    result: Real = y_off + np.abs(mlp.layers[1].weights[:, built]) @ r_off
     return result
 
 
-def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
-    """How far each result can be from the real sum of samples of magnitude 1 at most.
+def _off(real: Dense, layer: Layer, built: Sequence[int], matrix: ConstantMatrix) -> Real:
+    """How far results of neurons that are built are from real sums, with samples up to 1.
 
     The error has three parts: the rounding of weights and bias; the bits that are dropped in the
     sum, with one unit more for the halves that its constant loses; and half a step of the result.
     """
-    rounding = _coefficients_off(weights, biases, layer)
+    rounding = _coefficients_off(real, layer)[built]
     units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
     step = 2.0**-matrix.out_fmt.frac
     result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step

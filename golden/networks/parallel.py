@@ -17,7 +17,7 @@ from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design, Settings
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Parallel(Design):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         (mlp,) = cls.plain(networks)
         constants = constants_of(mlp, settings)

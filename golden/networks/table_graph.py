@@ -28,7 +28,7 @@ from golden.networks.table_sums import (
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 
 # The options of a scene that does not set them: the bits of a sample and of a hidden sum that
 # tables read, those of an output, and the adders, as in ``AdderGraph``.
@@ -92,7 +92,7 @@ class TableGraph(AtOnce):
 
     @classmethod
     def build(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+        cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         options: dict[str, Any] = {**OPTIONS, **settings.options}
         for key in ("sample_bits", "hidden_bits", "output_bits"):

@@ -14,7 +14,7 @@ from golden.input_error import InputError
 from golden.networks.small_tables import FINE, SmallTable, tables_of
 from golden.numbers.fixed import Fix
 from golden.numbers.real import Real
-from golden.trained.dense import Dense, DenseNetwork, Trained
+from golden.trained.dense import Dense, DenseNetwork
 from golden.trained.function import FMT, LARGEST, Function
 from golden.trained.spline_basis import DEGREE
 
@@ -81,7 +81,7 @@ class FunctionSums:
 
 
 def function_sums(
-    network: Trained, reached: Sequence[tuple[float, float]], design: str
+    network: DenseNetwork, reached: Sequence[tuple[float, float]], design: str
 ) -> FunctionSums:
     """A network as sums of functions.
 
@@ -95,7 +95,6 @@ def function_sums(
             f"hardware.design: got {design!r} for a network with other layers, expected one of "
             'learned functions, as training.functions = "spline" makes them; "engine" takes any'
         )
-    assert isinstance(network, DenseNetwork)
     copies, sums, last = network.layers
     sources = [int(np.flatnonzero(row)[0]) for row in copies.weights]
     # Nodes that take the same sum look functions of it up.
@@ -137,11 +136,9 @@ def beside(networks: Sequence[FunctionSums]) -> FunctionSums:
     return FunctionSums(hidden, ranges, tuple(outputs))
 
 
-def learned(network: Trained) -> bool:
+def learned(network: DenseNetwork) -> bool:
     """Whether it is a network of learned functions."""
-    if not isinstance(network, DenseNetwork) or len(network.layers) != HIDDEN_LAYERS + 1:
-        return False
-    if any(layer.quantiser for layer in network.layers):
+    if network.quantised or len(network.layers) != HIDDEN_LAYERS + 1:
         return False
     copies, sums, _ = network.layers
     single = ((copies.weights != 0).sum(axis=1) == 1).all()

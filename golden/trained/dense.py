@@ -1,8 +1,8 @@
 """Networks of any depth in floating point, made of dense layers with an activation each."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar, cast
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +10,32 @@ from numpy.typing import ArrayLike
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.function import TABLE, Function
-from golden.trained.mlp import Activation, Mlp, tanh
+
+# An activation returns its value and its slope, because training needs both.
+Activation = Callable[[Real], tuple[Real, Real]]
+
+
+def tanh(q: Real) -> tuple[Real, Real]:
+    """The hyperbolic tangent and its slope."""
+    value = np.tanh(q)
+    return value, 1 - value * value
+
+
+def shifted(biases: Real, weights: Real, shift: Real) -> Real:
+    """Compute ``biases + weights @ shift``, where each sum is rounded only once.
+
+    So the order of addition cannot change any bit of the hardware.
+
+    biases: shape (neurons,).
+    weights: shape (neurons, inputs).
+    shift, shape (inputs,): Number that is added to each input.
+    """
+    terms = np.concatenate([biases[:, np.newaxis], weights * shift], axis=1)
+    sums: Real = terms.sum(axis=1)
+    if np.isfinite(terms).all():
+        sums = np.array([float(sum(map(Fraction, row))) for row in terms.tolist()])
+    return sums
+
 
 # The default slope of a leaky ReLU below 0, as in PyTorch.
 LEAK = 0.01
@@ -139,6 +164,10 @@ class Dense:
         leaky = self.activation == "leaky_relu"
         return f"leaky_relu ({self.leak:g})" if leaky else self.activation
 
+    def sums(self, inputs: Real) -> Real:
+        """The sums of the nodes, shape (..., nodes), for inputs, shape (..., inputs)."""
+        return inputs @ self.weights.T + self.biases
+
     def activate(self, q: Real, of_tanh: Activation = tanh) -> tuple[Real, Real]:
         """The activation's value and slope at the sums ``q``.
 
@@ -196,6 +225,11 @@ class DenseNetwork:
         return any(layer.quantiser for layer in self.layers)
 
     @property
+    def plain(self) -> bool:
+        """Whether it is one hidden layer of tanh, which every design takes."""
+        return self.activations == ("tanh",) and not self.quantised
+
+    @property
     def activations(self) -> tuple[str, ...]:
         """The activations of the hidden layers."""
         return tuple(layer.activation for layer in self.layers[:-1])
@@ -211,32 +245,20 @@ class DenseNetwork:
         return outputs
 
 
-# A trained network: one hidden layer of tanh, or any other.
-Trained = Mlp | DenseNetwork
-Some = TypeVar("Some", bound=Trained)
-
-
-def network_of(layers: list[Dense]) -> Trained:
+def network_of(layers: Sequence[Dense]) -> DenseNetwork:
     """Make a network of layers.
 
-    If there is one hidden layer of tanh, the result is an ``Mlp``, which every design takes. If the
-    last layer is not linear, a linear layer that does not change its values is added.
+    If the last layer is not linear, a linear layer that does not change its values is added.
     """
     if layers[-1].activation != "linear" or layers[-1].quantiser:
         nodes = layers[-1].nodes
         layers = [*layers, Dense(np.eye(nodes), np.zeros(nodes))]
-    network = DenseNetwork(tuple(layers))
-    if network.activations == ("tanh",) and not layers[0].quantiser:
-        first, second = network.layers
-        return Mlp(first.weights, first.biases, second.weights, second.biases)
-    return network
+    return DenseNetwork(tuple(layers))
 
 
-def layers_of(network: Trained) -> tuple[Dense, ...]:
-    """The layers of a network, also of one with a single hidden layer of tanh."""
-    if isinstance(network, DenseNetwork):
-        return network.layers
-    return Dense(network.w1, network.b1, "tanh"), Dense(network.w2, network.b2)
+def mlp_of(w1: Real, b1: Real, w2: Real, b2: Real) -> DenseNetwork:
+    """y = w2 tanh(w1 x + b1) + b2 (thesis equation 3.11), which every design takes."""
+    return DenseNetwork((Dense(w1, b1, "tanh"), Dense(w2, b2)))
 
 
 @dataclass(frozen=True)
@@ -254,37 +276,32 @@ class Pass:
 
 
 def forward_passes(
-    network: Trained, frames: ArrayLike, activation: Activation = tanh
+    network: DenseNetwork, frames: ArrayLike, activation: Activation = tanh
 ) -> Iterator[Pass]:
     """Frames, shape (..., inputs), in each layer of a network, in double precision.
 
     ``activation`` replaces tanh in the layers that have tanh.
     """
     outputs = np.asarray(frames, dtype=np.float64)
-    for layer in layers_of(network):
-        sums = outputs @ layer.weights.T + layer.biases
+    for layer in network.layers:
+        sums = layer.sums(outputs)
         values, _ = layer.activate(sums, activation)
         outputs = layer.quantiser.process(values) if layer.quantiser else values
         yield Pass(layer, sums, values, outputs)
 
 
-def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:
-    """A network of the same type with other layers that have the same activations."""
-    return cast(Some, network_of(list(layers)))
-
-
-def packed(network: Trained) -> Real:
+def packed(network: DenseNetwork) -> Real:
     """All weights and biases in one vector, layer by layer."""
-    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
+    parts = [p for layer in network.layers for p in (layer.weights.ravel(), layer.biases)]
     return np.concatenate(parts)
 
 
-def unpacked(vector: Real, like: Some) -> Some:
+def unpacked(vector: Real, like: DenseNetwork) -> DenseNetwork:
     """The inverse of ``packed`` for a network with the layers of ``like``."""
     layers, at = [], 0
-    for layer in layers_of(like):
+    for layer in like.layers:
         end = at + layer.weights.size
         weights = vector[at:end].reshape(layer.weights.shape)
         at = end + layer.nodes
         layers.append(replace(layer, weights=weights, biases=vector[end:at]))
-    return rebuilt(like, layers)
+    return DenseNetwork(tuple(layers))

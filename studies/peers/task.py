@@ -12,7 +12,7 @@ import numpy as np
 from golden.networks.constants import Constants, constants_of
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.mlp import Mlp, tanh
+from golden.trained.dense import DenseNetwork, tanh
 from tactus.report.measure.table import Cell
 from tactus.scene import Scene
 from tactus.synth.cells import SYNTHESISE, count, script_of
@@ -45,7 +45,7 @@ class Task:
     """
 
     scene: Scene
-    mlp: Mlp
+    mlp: DenseNetwork
     constants: Constants
     recorded: Codes
     random: Codes

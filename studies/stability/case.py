@@ -16,7 +16,7 @@ from golden.networks.network import Network
 from golden.networks.oracle import designs_in, error_bounds, exact
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 
 LOW, HIGH = SIGNAL.low, SIGNAL.high
 EQUAL = "equal exact integers"
@@ -85,7 +85,12 @@ def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
 
 
 def real_error(
-    mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes, sensors: int
+    mlp: DenseNetwork,
+    precision: Precision,
+    network: Design,
+    frames: Codes,
+    found: Codes,
+    sensors: int,
 ) -> list[tuple[float, float]]:
     """The largest error over the frames, and its bound, for each output in units of 2**-13.
 
@@ -96,12 +101,13 @@ def real_error(
     frames, found: The samples and the results.
     sensors: How many inputs are samples. The inputs after them are outputs of earlier networks.
     """
-    factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
+    first, second = mlp.layers
+    factors = quantised(first, precision, "layer 1 weights").factors
     hidden = precision.hidden_fmt
     bounds = error_bounds(network, mlp, precision, sensors)
     ends = np.multiply.outer(hidden.to_real([hidden.low, hidden.high]), factors)
-    q = np.clip(SIGNAL.to_real(frames) @ mlp.w1.T + mlp.b1, *ends)
-    y = np.clip(np.tanh(q) @ mlp.w2.T + mlp.b2, *SIGNAL.to_real([LOW, HIGH]))
+    q = np.clip(first.sums(SIGNAL.to_real(frames)), *ends)
+    y = np.clip(second.sums(np.tanh(q)), *SIGNAL.to_real([LOW, HIGH]))
     errors = np.abs(SIGNAL.to_real(found) - y).max(axis=0)
     return [
         (2**SIGNAL.frac * float(error), 2**SIGNAL.frac * float(bound))

@@ -13,8 +13,7 @@ from golden.learning.corrected import THETA
 from golden.learning.gradient import ERROR, ROW, STEP, Equation, lms_step
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import packed
-from golden.trained.mlp import Mlp, tanh
+from golden.trained.dense import mlp_of, packed, tanh
 from studies.physics.digit_sensors import COLUMNS, RECORDED, SENSORS
 from studies.physics.swing_data import CUTOFF, SCAN_RATE, Conditioning
 from studies.stability import digits
@@ -200,7 +199,7 @@ def slopes() -> Iterator[Row]:
 def _slope_at(scheme: Scheme, q: float, steep: float) -> float:
     """The derivative of the output by the bias of a node, as training computes it."""
     rows = Rows(np.array([[q / steep]]), np.zeros((1, 1)), np.ones((1, 1)))
-    mlp = Mlp(np.array([[steep]]), np.zeros(1), np.ones((1, 1)), np.zeros(1))
+    mlp = mlp_of(np.array([[steep]]), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     aim = Objective(mlp, scheme.real, rows, rows, 0.0, 1)
     return float(aim.jacobian(packed(mlp))[0, 1])
 

@@ -21,8 +21,7 @@ from golden.networks.oracle import exact_sum
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
-from golden.trained.dense import packed, unpacked
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork, mlp_of, packed, unpacked
 from studies.stability.case import (
     BOUNDED,
     EQUAL,
@@ -69,7 +68,7 @@ def readings() -> Iterator[Row]:
     must, figure = "refuse them", "accepted of 5"
     yield Row("readings", "no codes, or too few", must, figure, accepted(calls), 0)
     one = np.ones((1, 1))
-    weights = [partial(Mlp, one * value, one[0], one, one[0]) for value in bad]
+    weights = [partial(mlp_of, one * value, one[0], one, one[0]) for value in bad]
     count = accepted(weights)
     yield Row("weights", "NaN and infinity", "refuse them", "accepted of 3", count, 0)
     # Frames of three, four, six and again four samples, for a network with four inputs.
@@ -143,8 +142,8 @@ def _errors(scene: Scene, frames: Codes, found: Codes) -> tuple[list[float], lis
 def huge_weights() -> Iterator[Row]:
     """Weights that make Q_j huge, up to the limit of a format."""
     rng = np.random.default_rng(0)
-    mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.full((1, 3), 0.3), np.zeros(1))
-    most = int(normalisation(mlp.w1, mlp.b1).max())
+    mlp = mlp_of(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.full((1, 3), 0.3), np.zeros(1))
+    most = int(normalisation(mlp.layers[0].weights, mlp.layers[0].biases).max())
     frames = np.concatenate([combinations(4), rng.integers(LOW, HIGH + 1, (500, 4))])
     for name, precision, build in _designs():
         network = build(mlp)
@@ -156,20 +155,20 @@ def huge_weights() -> Iterator[Row]:
         yield Row(name, case, BOUNDED, "error in 2^-13", error, bound)
     yield from _at_limits()
     one, none = np.ones((1, 1)), np.zeros(1)
-    beyond = Mlp(2e5 * one, none, one, none)
+    beyond = mlp_of(2e5 * one, none, one, none)
     kinds = [name for name, scheme in SCHEMES.items() if THESIS in scheme.precisions]
     count = accepted([partial(constants_of, beyond, Settings(THESIS, name)) for name in kinds])
     must, figure = "refuse them", f"accepted of {len(kinds)}"
     yield Row("constants", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
     count = accepted([partial(constants_of, beyond, Settings(EXACT, "precise"))])
     yield Row("constants", "weights of 200000, exact", must, "accepted of 1", count, 0)
-    whole = Mlp(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
+    whole = mlp_of(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
     count = accepted([partial(constants_of, whole, Settings(THESIS, "gradient"))])
     must = "refuse them: the sum would wrap"
     yield Row("constants", "weights of whole numbers, thesis", must, "accepted of 1", count, 0)
 
 
-def _designs() -> Iterator[tuple[str, Precision, Callable[[Mlp], Design]]]:
+def _designs() -> Iterator[tuple[str, Precision, Callable[[DenseNetwork], Design]]]:
     """Every design of tanh networks in each of its precisions: name, precision, how to build it."""
     for (name, design), precision in itertools.product(DESIGNS.items(), (THESIS, EXACT)):
         if precision.name in design.precisions and not design.learned_functions:
@@ -182,7 +181,7 @@ def _designs() -> Iterator[tuple[str, Precision, Callable[[Mlp], Design]]]:
                 yield "lanes", precision, partial(_built, design, several)
 
 
-def _built(design: type[Design], settings: Settings, mlp: Mlp) -> Design:
+def _built(design: type[Design], settings: Settings, mlp: DenseNetwork) -> Design:
     return design.of([mlp], settings)
 
 
@@ -194,7 +193,7 @@ def _at_limits() -> Iterator[Row]:
         for shape in SHAPES:
             inputs, hidden, outputs = shape
             first, second = np.zeros((hidden, inputs)), np.zeros((outputs, hidden))
-            like = Mlp(first, np.zeros(hidden), second, np.zeros(outputs))
+            like = mlp_of(first, np.zeros(hidden), second, np.zeros(outputs))
             length = len(packed(like))
             frames = combinations(inputs)
             size = MOST_Q / (inputs + 1) - 0.5 if precision.normalise else MOST_WORD

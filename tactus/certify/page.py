@@ -17,7 +17,6 @@ from golden.networks.oracle import error_bounds
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import layers_of
 from tactus.certify.delivered import (
     CELLS,
     EVERY_FRAME,
@@ -104,7 +103,7 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
     if several and scene.arrangement == "cascade":
         return None
     with suppress(InputError):
-        layers = [layers_of(network) for network in networks]
+        layers = [network.layers for network in networks]
         ends = bounds(description(scene), layers, scene.scheme.real)
         found: Real = np.abs(ends).max(axis=1) / (1 << SIGNAL.frac)
         return found

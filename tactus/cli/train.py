@@ -14,7 +14,7 @@ from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
 from golden.input_error import InputError
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from tactus.core import store
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.closure import code
@@ -321,7 +321,7 @@ def digits_story(stages: Stages, number: int) -> dict[str, Any]:
     }
 
 
-def errors_of(task: Task, network: Trained, part: str) -> dict[str, Any]:
+def errors_of(task: Task, network: DenseNetwork, part: str) -> dict[str, Any]:
     """The entries of a provenance about a network's errors on a part of the rows.
 
     The errors are those on rows as recorded and, where the scene declares noise or drift, on

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.io import loadmat, savemat
 
 from golden.input_error import InputError
-from golden.trained.dense import Trained
-from golden.trained.mlp import Mlp
+from golden.numbers.real import Real
+from golden.trained.dense import DenseNetwork
 from tactus.core.files import reading
 from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
 
@@ -48,13 +48,14 @@ def _fields(value: Any) -> dict[str, Any] | None:
     return {name: getattr(structure, name) for name in FIELDS}
 
 
-def write(path: Path, network: Trained) -> None:
-    if not isinstance(network, Mlp):
+def write(path: Path, network: DenseNetwork) -> None:
+    if not network.plain:
         layers = ", ".join(network.activations) or "none"
         raise InputError(
             f"got a network with hidden layers of {layers}, expected one hidden layer of "
             "tanh, which is all that a Netlab structure can hold; .npz and .onnx hold any"
         )
-    w1, w2 = network.w1.T, network.w2.T
-    fields = {"w1": w1, "b1": network.b1[np.newaxis], "w2": w2, "b2": network.b2[np.newaxis]}
+    fields: dict[str, Real] = {}
+    for n, layer in enumerate(network.layers, start=1):
+        fields |= {f"w{n}": layer.weights.T, f"b{n}": layer.biases[np.newaxis]}
     savemat(path, {VARIABLE: fields})

@@ -19,7 +19,7 @@ import numpy as np
 
 from golden.input_error import InputError, naming, suggest
 from golden.numbers.real import Real
-from golden.trained.dense import LEAK, Dense, Trained, network_of
+from golden.trained.dense import LEAK, Dense, DenseNetwork, network_of
 from golden.trained.function import Function, by_name, functions_of
 from tactus.core.files import (
     check_file,
@@ -60,7 +60,7 @@ def load_network(
     shape: tuple[int, ...],
     functions: Mapping[str, Function] | None = None,
     labels: Sequence[str] = (),
-) -> Trained:
+) -> DenseNetwork:
     """Load the network at ``path``.
 
     shape: Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0
@@ -136,7 +136,7 @@ def form_of(path: Path) -> ModuleType:
     return import_module(FORMS[ending])
 
 
-def write_network(path: Path, network: Trained) -> None:
+def write_network(path: Path, network: DenseNetwork) -> None:
     """Write the network in the format of the file's ending, completely or not at all."""
     form = form_of(path)
     with replace_file(path) as temporary, naming(path):
@@ -169,7 +169,7 @@ def check_targets(paths: Sequence[Path]) -> None:
 Provenance = Mapping[str, Any]
 
 
-def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
+def save_networks(networks: Sequence[tuple[Path, DenseNetwork, Provenance]]) -> None:
     """Write networks and the provenance of each, either all of them or none.
 
     Networks of other names stay in the files.
@@ -195,7 +195,7 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
             story.write_text(text, encoding="utf-8")
 
 
-def save_network(path: Path, network: Trained, provenance: Provenance) -> None:
+def save_network(path: Path, network: DenseNetwork, provenance: Provenance) -> None:
     """Write a network and its provenance; see ``save_networks``."""
     save_networks([(path, network, provenance)])
 

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from golden.input_error import InputError, MissingFileError, naming
 from golden.numbers.real import Real
-from golden.trained.dense import LEAK, Quantiser, Trained, layers_of
+from golden.trained.dense import LEAK, DenseNetwork, Quantiser
 from golden.trained.function import Function
-from golden.trained.mlp import Mlp
 from tactus.core.files import reading
 from tactus.network_files.parsed import (
     ParsedLayer,
@@ -138,16 +137,16 @@ def _row(quantiser: Quantiser | None) -> list[float]:
     return [q.scale, q.zero, q.low, q.high, ROUNDINGS.index(q.rounding), q.before_zero]
 
 
-def write(path: Path, network: Trained) -> None:
+def write(path: Path, network: DenseNetwork) -> None:
     """Write the arrays of each layer, and the activations if they are not one layer of tanh.
 
     Networks of other names in the file stay.
     """
     arrays: dict[str, Any] = {}
-    layers = layers_of(network)
+    layers = network.layers
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
-    if not isinstance(network, Mlp):
+    if not network.plain:
         arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]], dtype=np.str_)
         arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
         for layer in layers:

@@ -17,9 +17,8 @@ from onnx.reference import ReferenceEvaluator
 
 from golden.input_error import InputError, naming
 from golden.numbers.real import Real
-from golden.trained.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
+from golden.trained.dense import LEAK, DenseNetwork, Quantiser, shifted
 from golden.trained.function import TABLE, Function
-from golden.trained.mlp import shifted
 from tactus.core.files import reading
 from tactus.network_files import classifier, quantisers
 from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
@@ -438,22 +437,22 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
     return values.ravel()
 
 
-def write(path: Path, network: Trained) -> None:
+def write(path: Path, network: DenseNetwork) -> None:
     """Write the network as a Gemm for each layer and its activation, in double precision."""
-    tables = [layer.activation for layer in layers_of(network) if layer.functions]
+    tables = [layer.activation for layer in network.layers if layer.functions]
     if tables:
         raise InputError(
             f"got an activation {tables[0]!r}, expected one that ONNX has an operator for; .npz "
             "names any"
         )
-    if isinstance(network, DenseNetwork) and network.quantised:
+    if network.quantised:
         raise InputError(
             "got a quantised network, expected one in floating point: quantisers are only read of "
             "this form; .npz holds them"
         )
     arrays: dict[str, Real] = {}
     nodes, value = [], "x"
-    layers = layers_of(network)
+    layers = network.layers
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
         given = "y" if n == len(layers) else f"q{n}"

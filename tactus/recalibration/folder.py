@@ -20,7 +20,7 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.numbers.real import Real
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 from tactus.core.files import (
     check_folder,
     check_output,
@@ -47,7 +47,7 @@ from tactus.scene.scale import Scale, on_readings, on_signals, readings, signals
 DIGITS = 9
 
 
-def corrected(scene: Scene, correction: Sequence[Scale]) -> list[Mlp]:
+def corrected(scene: Scene, correction: Sequence[Scale]) -> list[DenseNetwork]:
     """The networks on signals, with the correction of each sensor folded into their weights."""
     found = []
     for mlp in scene.mlps():

@@ -40,10 +40,11 @@ def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
     cascade = scene.arrangement == "cascade"
     for mlp in scene.mlps():
         seen = np.hstack([samples, outputs]) if cascade else samples
-        hidden, bends = scene.scheme.real(seen @ mlp.w1.T + mlp.b1)
-        found = (mlp.w2 * bends[:, np.newaxis]) @ mlp.w1
+        first, second = mlp.layers
+        hidden, bends = scene.scheme.real(first.sums(seen))
+        found = (second.weights * bends[:, np.newaxis]) @ first.weights
         inner = np.concatenate([by_sensor, slopes], axis=1) if cascade else by_sensor
-        outputs = np.hstack([outputs, hidden @ mlp.w2.T + mlp.b2])
+        outputs = np.hstack([outputs, second.sums(hidden)])
         slopes = np.concatenate([slopes, found @ inner], axis=1)
     return outputs, slopes
 

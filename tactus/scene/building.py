@@ -24,7 +24,6 @@ from golden.networks.learning_engine import LearningEngine
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
-from golden.trained.mlp import Mlp
 from tactus.scene.disturbance import expected_drift
 from tactus.sizing.candidates import CANDIDATES, Refused, Sized, SizingTask, all_sized, settings_for
 from tactus.sizing.choice import Choice, choose
@@ -49,7 +48,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, held in zip(scene.members, trained, strict=True):
-            if not isinstance(held, Mlp):
+            if not held.plain:
                 continue
             with naming(member.weights_path):
                 constants_of(held, settings)

@@ -17,7 +17,7 @@ from golden.engine.quantise import integer_networks
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import DenseNetwork, Trained, forward_passes, layers_of
+from golden.trained.dense import DenseNetwork, forward_passes
 from golden.trained.function import LOW
 from tactus.network_files.parsed import short_path
 from tactus.scene.scale import readings
@@ -92,7 +92,7 @@ def held(scene: Scene) -> list[str]:
     """
     sentences = []
     for member, network in zip(scene.members, scene.networks(), strict=True):
-        if not any(f.goes_on for layer in layers_of(network) for f in layer.functions):
+        if not any(f.goes_on for layer in network.layers for f in layer.functions):
             continue
         for number, found in enumerate(forward_passes(network, scene.inputs_of(network)), start=1):
             layer, sums = found.layer, found.sums
@@ -153,8 +153,7 @@ def quantised_lines(scene: Scene) -> list[str]:
     codes = vectors.codes
     lines = []
     for member, network in zip(scene.members, scene.networks(), strict=True):
-        quantised = isinstance(network, DenseNetwork) and network.quantised
-        if not quantised or member.inputs != len(scene.inputs):
+        if not network.quantised or member.inputs != len(scene.inputs):
             continue
         held, scales = member.load(), scene.scales(scene.inputs)
         of_file, unrounded = (
@@ -181,7 +180,7 @@ def quantised_lines(scene: Scene) -> list[str]:
     return lines
 
 
-def file_codes(network: Trained, readings: Real) -> Iterator[Codes]:
+def file_codes(network: DenseNetwork, readings: Real) -> Iterator[Codes]:
     """The codes of each hidden layer, shape (frames, nodes), as differences from the lowest code.
 
     The network is evaluated node by node in double precision. The codes end at the first layer

@@ -20,7 +20,7 @@ import numpy as np
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.sensing.converter_parts import PARTS, STRAIGHT, ConverterPart
-from golden.trained.dense import Trained, layers_of
+from golden.trained.dense import DenseNetwork
 from tactus.network_files.network_file import provenance_path, read_provenance
 from tactus.network_files.parsed import short_path
 from tactus.scene.scale import AUTO, Scale, read_scale
@@ -114,7 +114,7 @@ def _text(scale: Scale) -> str:
     return f"{{ offset = {scale.offset:.12g}, factor = {scale.factor:.12g} }}"
 
 
-def story(scales: dict[str, Scale], network: Trained) -> dict[str, Any]:
+def story(scales: dict[str, Scale], network: DenseNetwork) -> dict[str, Any]:
     """What the provenance of a network says about the scales with which it was trained.
 
     scales: The scale of every column that has one. If none has, the result is empty.
@@ -163,8 +163,8 @@ def _scales_in_provenance(scene: Scene, number: int) -> dict[str, Scale | str]:
     return read_scale({"scale": table, "sensors": list(table), "outputs": []}, path)
 
 
-def _digest(network: Trained) -> str:
+def _digest(network: DenseNetwork) -> str:
     """A digest of the weights, which is the same for every format of file."""
-    arrays = [a for layer in layers_of(network) for a in (layer.weights, layer.biases)]
+    arrays = [a for layer in network.layers for a in (layer.weights, layer.biases)]
     data = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
     return hashlib.sha256(data).hexdigest()[:16]

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.input_error import InputError
 from golden.numbers.real import Real
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from tactus.core.schema import written
 from tactus.core.table import as_number, read_texts, rows_where
 from tactus.network_files.network_file import provenance_path, read_provenance
@@ -139,7 +139,7 @@ def wrong_percent(outputs: Real, targets: Real) -> Real:
     return 100.0 * (np.eye(targets.shape[-1])[decided(outputs)] != targets)
 
 
-def class_scale(network: Trained, readings: Real) -> Scale:
+def class_scale(network: DenseNetwork, readings: Real) -> Scale:
     """The common scale of a network's logits, from the readings of all recorded rows."""
     largest = float(np.abs(network.process(readings)).max())
     return Scale(0.0, 2.0 ** math.ceil(math.log2(BEYOND * largest)) if largest else 1.0)

@@ -8,7 +8,7 @@ from typing import Any
 from golden.input_error import InputError, naming
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.numbers.expression import ALLOWED
-from golden.trained.dense import ACTIVATIONS, DenseNetwork, Trained, layers_of, network_of
+from golden.trained.dense import ACTIVATIONS, DenseNetwork, network_of
 from golden.trained.function import (
     TABLE,
     Function,
@@ -137,11 +137,11 @@ class SceneNetwork:
             ", ".join(f"{n} {kind}" for n, kind in zip(self.layers, kinds, strict=True)) or "none"
         )
 
-    def load(self) -> Trained:
+    def load(self) -> DenseNetwork:
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
         network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
-        found = tuple(layer.activation for layer in layers_of(network)[:-1])
+        found = tuple(layer.activation for layer in network.layers[:-1])
         if self.activations and found != self.activations:
             raise InputError(
                 f"{self.weights_path}: got hidden layers of {', '.join(found)}, expected "
@@ -149,7 +149,7 @@ class SceneNetwork:
             )
         if not self.nearest:
             return network
-        if not (isinstance(network, DenseNetwork) and network.quantised):
+        if not network.quantised:
             raise InputError(
                 f"{self.weights_path}: got a network without quantisers, expected a quantised one, "
                 "because network.quantised of the scene is 'nearest'"

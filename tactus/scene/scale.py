@@ -20,8 +20,7 @@ import numpy as np
 
 from golden.input_error import InputError, naming, suggest
 from golden.numbers.real import Real
-from golden.trained.dense import Some, layers_of, rebuilt
-from golden.trained.mlp import shifted
+from golden.trained.dense import DenseNetwork, shifted
 
 AUTO = "auto"
 
@@ -61,10 +60,12 @@ def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
     return np.array([s.offset for s in scales]), np.array([s.factor for s in scales])
 
 
-def on_signals(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
+def on_signals(
+    network: DenseNetwork, inputs: Sequence[Scale], outputs: Sequence[Scale]
+) -> DenseNetwork:
     """Turn a network on readings into the same network on signals, which the hardware holds."""
     into, out = _arrays(inputs), _arrays(outputs)
-    layers = [*layers_of(network)]
+    layers = [*network.layers]
     first = layers[0]
     with np.errstate(over="ignore", invalid="ignore"):
         w1, b1 = first.weights * into[1], shifted(first.biases, first.weights, into[0])
@@ -76,20 +77,22 @@ def on_signals(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale])
         w2, b2 = last.weights / out[1][:, np.newaxis], (last.biases - out[0]) / out[1]
     with naming(f"layer {len(layers)}"):
         layers[-1] = replace(last, weights=w2, biases=b2)
-    return rebuilt(network, layers)
+    return DenseNetwork(tuple(layers))
 
 
-def on_readings(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
+def on_readings(
+    network: DenseNetwork, inputs: Sequence[Scale], outputs: Sequence[Scale]
+) -> DenseNetwork:
     """Turn a network on signals into the same network on readings, which a file holds."""
     into, out = _arrays(inputs), _arrays(outputs)
-    layers = [*layers_of(network)]
+    layers = [*network.layers]
     first = layers[0]
     w1 = first.weights / into[1]
     layers[0] = replace(first, weights=w1, biases=shifted(first.biases, w1, -into[0]))
     last = layers[-1]
     w2, b2 = last.weights * out[1][:, np.newaxis], last.biases * out[1] + out[0]
     layers[-1] = replace(last, weights=w2, biases=b2)
-    return rebuilt(network, layers)
+    return DenseNetwork(tuple(layers))
 
 
 def range_scale(column: Real) -> Scale:

@@ -23,8 +23,7 @@ from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision
 from golden.numbers.real import Real
-from golden.trained.dense import Trained, layers_of
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 from golden.trained.window import Window
 from tactus.network_files.network_file import provenance_path
 from tactus.network_files.parsed import file_of
@@ -150,7 +149,7 @@ class Scene:
 
     def hidden_text(self) -> str:
         """What hidden nodes compute: the hardware's approximation of tanh, or other activations."""
-        layers = [layer for network in self.networks() for layer in layers_of(network)[:-1]]
+        layers = [layer for network in self.networks() for layer in network.layers[:-1]]
         kinds = {"tanh": self.activation_text, "sigmoid": f"sigmoid by {self.activation_text}"}
         named = [
             "functions in tables" if one.functions else kinds.get(one.activation) for one in layers
@@ -171,15 +170,15 @@ class Scene:
     def _vectors(self) -> Vectors:
         return read_vectors(self)
 
-    def networks(self) -> list[Trained]:
+    def networks(self) -> list[DenseNetwork]:
         """The trained networks in floating point, on signals, read once."""
         return self._networks
 
-    def mlps(self) -> list[Mlp]:
+    def mlps(self) -> list[DenseNetwork]:
         """The networks, for callers that only handle one hidden layer of tanh."""
         found = []
         for member, network in zip(self.members, self.networks(), strict=True):
-            if not isinstance(network, Mlp):
+            if not network.plain:
                 raise InputError(
                     f"{member.weights_path}: got hidden layers of "
                     f"{', '.join(network.activations) or 'none'}, expected one hidden layer "
@@ -189,8 +188,8 @@ class Scene:
         return found
 
     @cached_property
-    def _networks(self) -> list[Trained]:
-        found: list[Trained] = []
+    def _networks(self) -> list[DenseNetwork]:
+        found: list[DenseNetwork] = []
         if self.labels:
             check_labels(self)
         for number, member in enumerate(self.members):
@@ -218,7 +217,7 @@ class Scene:
         scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
         return scales[:inputs], scales[inputs:]
 
-    def scales_as_read(self, network: Trained, number: int) -> tuple[list[Scale], list[Scale]]:
+    def scales_as_read(self, network: DenseNetwork, number: int) -> tuple[list[Scale], list[Scale]]:
         """The scales with which a network is read from its file.
 
         The logits of a network that tells classes apart have a scale of their own.
@@ -267,14 +266,16 @@ class Scene:
         """
         return process_real(self.arrangement, self.networks(), samples, self.scheme.real)
 
-    def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
+    def settings(
+        self, lean: bool = True, networks: Sequence[DenseNetwork] | None = None
+    ) -> Settings:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
         given = self.networks() if networks is None else networks
         options = dict(self.design_options)
         if self.learning:
             options["lanes"] = 1
         # One hidden layer of tanh needs no range, and so no frames.
-        ends = [((), ()) if isinstance(one, Mlp) else self._ends(one) for one in given]
+        ends = [((), ()) if one.plain else self._ends(one) for one in given]
         return Settings(
             self.precision,
             self.activation,
@@ -285,12 +286,14 @@ class Scene:
             tuple(reached for _, reached in ends),
         )
 
-    def _ends(self, network: Trained) -> tuple[tuple[float, ...], tuple[tuple[float, float], ...]]:
+    def _ends(
+        self, network: DenseNetwork
+    ) -> tuple[tuple[float, ...], tuple[tuple[float, float], ...]]:
         """What its layers, and its sums that take functions, come to on the recorded frames."""
         inputs = self.inputs_of(network)
         return hidden_peaks(network, inputs), function_input_ranges(network, inputs)
 
-    def inputs_of(self, network: Trained) -> Real:
+    def inputs_of(self, network: DenseNetwork) -> Real:
         """The inputs of a network in the recorded frames, as signals.
 
         If a network reads outputs of earlier networks, the targets are used in their place, because
@@ -301,7 +304,7 @@ class Scene:
         inputs = [SIGNAL.to_real(vectors.codes), vectors.targets[:, :earlier]]
         return np.concatenate(inputs, axis=1)
 
-    def build(self, network: Trained, lean: bool = True) -> Design:
+    def build(self, network: DenseNetwork, lean: bool = True) -> Design:
         """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""
         design = DESIGNS.get(self.design) or STAND_INS[self.precision.name]
         return design.of([network], self.settings(lean, [network]))

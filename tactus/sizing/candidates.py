@@ -18,8 +18,7 @@ from golden.networks.engine import Engine
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, Precision
-from golden.trained.dense import Trained
-from golden.trained.mlp import tanh
+from golden.trained.dense import DenseNetwork, tanh
 from tactus.sizing.features import block_rams, features_of, multipliers
 from tactus.sizing.model import Size, path_of, routed_size, routed_spread, size_of, spread
 
@@ -98,7 +97,7 @@ class SizingTask:
     """
 
     arrangement: str
-    networks: Sequence[Trained]
+    networks: Sequence[DenseNetwork]
     settings: Settings
     design: str
     serial: tuple[str, ...]

@@ -45,8 +45,7 @@ from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.signed_digits import digit_counts, nearest_with
-from golden.trained.dense import Trained, layers_of, packed, unpacked
-from golden.trained.mlp import tanh
+from golden.trained.dense import DenseNetwork, packed, tanh, unpacked
 from tactus.scene.training import FEWEST
 from tactus.train.objective import LabelledRows, Objective, Rows
 from tactus.train.task import Frames, Task, shift_biases, signed_errors
@@ -91,13 +90,13 @@ class Grid:
     weights: Which of them are weights; the others are biases.
     """
 
-    like: Trained
+    like: DenseNetwork
     lsb: Real
     low: int
     high: int
     weights: NDArray[np.bool_]
 
-    def network(self, vector: Real) -> Trained:
+    def network(self, vector: Real) -> DenseNetwork:
         return unpacked(vector, self.like)
 
     def rounded(self, vector: Real) -> Real:
@@ -116,8 +115,8 @@ class Grid:
         return np.clip(np.floor(vector / self.lsb + 0.5), self.low, self.high)
 
 
-def grid_of(network: Trained, width: int) -> Grid:
-    layers = layers_of(network)
+def grid_of(network: DenseNetwork, width: int) -> Grid:
+    layers = network.layers
     formats = [
         Fix.largest_frac(
             width, np.concatenate([layer.weights.ravel(), layer.biases]), f"layer {n} weights"
@@ -328,14 +327,14 @@ class FewDigits:
     """
 
     task: Task
-    chosen: Trained
+    chosen: DenseNetwork
     layered: bool
 
     @property
     def asked(self) -> int | str:
         return self.task.scene.training.digits
 
-    def errors(self, network: Trained) -> Real:
+    def errors(self, network: DenseNetwork) -> Real:
         """Mean bit-true error of each output on the validation rows.
 
         If the scene has classes, it is the mean cross-entropy with the labels, which is one number.
@@ -353,11 +352,11 @@ class FewDigits:
         found = np.maximum(found, 1e-3 * found.max())
         return found / found.mean() if found.max() else np.ones(len(found))
 
-    def worst(self, network: Trained) -> float:
+    def worst(self, network: DenseNetwork) -> float:
         """The largest growth of an output's error on the validation rows, as a ratio."""
         return float((self.errors(network) / np.maximum(self.errors(self.chosen), 1e-12)).max())
 
-    def on_training_rows(self) -> Trained:
+    def on_training_rows(self) -> DenseNetwork:
         """The chosen network with the requested digits, selected by the validation rows."""
         task = self.task
         aim = self.aim(task, self.chosen, task.training, task.split.training)
@@ -375,8 +374,8 @@ class FewDigits:
         return best
 
     def on_more_rows(
-        self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64], count: int
-    ) -> Trained:
+        self, task: Task, network: DenseNetwork, frames: Frames, rows: NDArray[np.int64], count: int
+    ) -> DenseNetwork:
         """The network trained further on more rows, rounded to ``count`` digits.
 
         No rows are left to choose among the starts, so the one is taken that fits these rows best.
@@ -386,7 +385,7 @@ class FewDigits:
         return min(found, key=lambda one: aim.value(packed(one)))
 
     def aim(
-        self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]
+        self, task: Task, network: DenseNetwork, frames: Frames, rows: NDArray[np.int64]
     ) -> RoundingObjective:
         """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
         aimed = self.rows(task, network, frames, task.recorded.take(rows))
@@ -396,7 +395,7 @@ class FewDigits:
         objective = Objective(network, activation, aimed, aimed, 0.0, sys.maxsize)
         return RoundingObjective(objective, grid, self.layered)
 
-    def rows(self, task: Task, network: Trained, frames: Frames, recorded: Frames) -> Rows:
+    def rows(self, task: Task, network: DenseNetwork, frames: Frames, recorded: Frames) -> Rows:
         """The rows whose error is minimised when ``network`` gets fewer digits.
 
         They are ``frames``, and those between and just beyond recorded rows. If the scene has
@@ -421,11 +420,11 @@ class FewDigits:
     def _starts(
         self,
         aim: RoundingObjective,
-        network: Trained,
+        network: DenseNetwork,
         task: Task,
         frames: Frames,
         count: int | None = None,
-    ) -> Iterator[Trained]:
+    ) -> Iterator[DenseNetwork]:
         """A network from each start, or only the rounded one where it has few enough digits."""
         wanted = self.asked if count is None else count
         assert isinstance(wanted, int)
@@ -444,7 +443,9 @@ class FewDigits:
         starts = 1 if self.layered and len(packed(self.chosen)) > ONE_BY_ONE else STARTS
         return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
 
-    def _whole(self, aim: RoundingObjective, point: Real, task: Task, frames: Frames) -> Trained:
+    def _whole(
+        self, aim: RoundingObjective, point: Real, task: Task, frames: Frames
+    ) -> DenseNetwork:
         """The network of a point, whose biases are shifted and rounded; nothing shifts logits."""
         network = aim.grid.network(point)
         if not task.scene.labels:
@@ -452,15 +453,15 @@ class FewDigits:
         return aim.grid.network(aim.grid.rounded(packed(network)))
 
 
-def count_digits(network: Trained, width: int) -> int:
+def count_digits(network: DenseNetwork, width: int) -> int:
     """The number of signed digits of all weights of a network in ``width`` bits."""
     grid = grid_of(network, width)
     return grid.digits(packed(network))
 
 
 def with_few_digits(
-    few: FewDigits, tested: tuple[Task, Trained], written: tuple[Task, Trained]
-) -> list[Trained]:
+    few: FewDigits, tested: tuple[Task, DenseNetwork], written: tuple[Task, DenseNetwork]
+) -> list[DenseNetwork]:
     """The chosen network with few digits, then the tested and the written one.
 
     Each is fitted on the rows that it has seen. Without ``training.refit`` there is one.

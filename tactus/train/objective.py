@@ -11,8 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from golden.numbers.real import Real
-from golden.trained.dense import Trained, layers_of, unpacked
-from golden.trained.mlp import Activation
+from golden.trained.dense import Activation, DenseNetwork, unpacked
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class Rows:
     targets: Real
     scale: Real
 
-    def residuals(self, network: Trained, activation: Activation) -> Real:
+    def residuals(self, network: DenseNetwork, activation: Activation) -> Real:
         """The scaled errors of a network as a vector."""
         return ((network.process(self.inputs, activation) - self.targets) / self.scale).ravel()
 
@@ -41,7 +40,7 @@ class LabelledRows(Rows):
     of squares is the cross-entropy.
     """
 
-    def residuals(self, network: Trained, activation: Activation) -> Real:
+    def residuals(self, network: DenseNetwork, activation: Activation) -> Real:
         """The residual of each row."""
         logits = network.process(self.inputs, activation)
         return np.sqrt(entropies(logits, self.targets))
@@ -67,7 +66,7 @@ class Objective:
     weight_decay: Factor that keeps weights small, and with them Q_j and Y_i.
     """
 
-    like: Trained
+    like: DenseNetwork
     activation: Activation
     training: Rows
     validation: Rows
@@ -84,7 +83,7 @@ class Objective:
             descend(self, start, steps)
         return start if self.best is None else self.best
 
-    def network(self, vector: Real) -> Trained:
+    def network(self, vector: Real) -> DenseNetwork:
         return unpacked(vector, self.like)
 
     def residuals(self, vector: Real) -> Real:
@@ -173,7 +172,7 @@ class Objective:
         hessian: Real = np.concatenate(rows)[np.ix_(places, places)]
         return self._gradient(network, errors), hessian
 
-    def _derivatives(self, network: Trained, back: Real) -> Real:
+    def _derivatives(self, network: DenseNetwork, back: Real) -> Real:
         """Derivatives of every residual of a row by the weights, shape (rows, residuals, weights).
 
         ``back`` has those by the outputs, shape (rows, residuals, outputs).
@@ -191,7 +190,7 @@ class Objective:
             found[..., biases:at] = own
         return found
 
-    def _gradient(self, network: Trained, back: Real) -> Real:
+    def _gradient(self, network: DenseNetwork, back: Real) -> Real:
         """The sum over the rows of the derivatives by the weights.
 
         ``back`` has those by the outputs, shape (rows, outputs).
@@ -201,13 +200,13 @@ class Objective:
             found += [(own.T @ inputs).ravel(), own.sum(axis=0)]
         return np.concatenate(found)
 
-    def _backward(self, network: Trained, back: Real) -> list[tuple[Real, Real]]:
+    def _backward(self, network: DenseNetwork, back: Real) -> list[tuple[Real, Real]]:
         """For each layer its inputs, and the derivatives by its sums.
 
         ``back`` has those by the outputs, shape (rows, outputs) or (rows, residuals, outputs).
         """
         value, forward = self.training.inputs, []
-        for layer in layers_of(network):
+        for layer in network.layers:
             inputs = value
             value, slope = layer.activate(inputs @ layer.weights.T + layer.biases, self.activation)
             forward.append((layer, inputs, slope))
@@ -242,7 +241,7 @@ class ClassObjective(Objective):
         gradient = self._gradient(network, self._probabilities(network) - self.training.targets)
         return float(residuals @ residuals), gradient + 2 * self.weight_decay * vector
 
-    def _probabilities(self, network: Trained) -> Real:
+    def _probabilities(self, network: DenseNetwork) -> Real:
         """The probability of each class for each training row, shape (rows, classes)."""
         return probabilities(network.process(self.training.inputs, self.activation))
 

@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 
 from golden.input_error import InputError
-from golden.trained.dense import Dense, Trained, network_of, packed, unpacked
+from golden.trained.dense import Dense, DenseNetwork, mlp_of, network_of, packed, tanh, unpacked
 from golden.trained.function import Function, by_name, functions_of
-from golden.trained.mlp import Mlp, tanh
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
 from tactus.train.few_digits import FewDigits, with_few_digits
@@ -78,10 +77,10 @@ def has_layers(scene: Scene) -> bool:
     return bool(scene.labels or scene.members[0].layers or scene.training.layers)
 
 
-def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> Mlp:
+def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> DenseNetwork:
     """Random weights with which every hidden node works in the curved part of tanh."""
     inputs, hidden, outputs = shape
-    return Mlp(
+    return mlp_of(
         rng.normal(0, 0.7, (hidden, inputs)),
         rng.normal(0, 0.7, hidden),
         rng.normal(0, 0.2, (outputs, hidden)),
@@ -94,7 +93,7 @@ def random_layers(
     activations: Sequence[str],
     rng: np.random.Generator,
     functions: Mapping[str, Function] | None = None,
-) -> Trained:
+) -> DenseNetwork:
     """A network with random weights, such that values have about the same size in every layer.
 
     ``functions`` are those that activations name.
@@ -164,12 +163,12 @@ def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
 
 def started(
     task: Task, layers: tuple[int, ...], restart: int, point: Sequence[float] = ()
-) -> Trained:
+) -> DenseNetwork:
     """The network from which a candidate goes on: a random one, or the one at ``point``."""
     member, settings = task.scene.members[task.number], task.scene.training
     shape = (task.training.inputs.shape[1], *layers, task.training.targets.shape[1])
     rng = np.random.default_rng([settings.seed, task.number, *layers, restart])
-    random: Trained
+    random: DenseNetwork
     if has_layers(task.scene) or has_many_rows(task.scene):
         kinds = member.activations or (settings.activation,) * len(layers)
         random = random_layers(shape, kinds, rng, by_name(member.functions))
@@ -212,13 +211,13 @@ class Stages:
     """
 
     scene: Scene
-    chosen: list[Mlp] = field(default_factory=list)
-    tested: list[Mlp] = field(default_factory=list)
-    written: list[Mlp] = field(default_factory=list)
-    files: list[Mlp] = field(default_factory=list)
-    full: list[dict[str, Mlp]] = field(default_factory=list)
+    chosen: list[DenseNetwork] = field(default_factory=list)
+    tested: list[DenseNetwork] = field(default_factory=list)
+    written: list[DenseNetwork] = field(default_factory=list)
+    files: list[DenseNetwork] = field(default_factory=list)
+    full: list[dict[str, DenseNetwork]] = field(default_factory=list)
 
-    def task(self, earlier: list[Mlp], number: int) -> Task:
+    def task(self, earlier: list[DenseNetwork], number: int) -> Task:
         """The task of a network that follows the earlier ones of a stage."""
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
@@ -248,6 +247,6 @@ class Stages:
         self.written.append(written[1])
         self.files.append(written[0])
 
-    def _on_signals(self, read: tuple[Trained, Trained]) -> Trained:
+    def _on_signals(self, read: tuple[DenseNetwork, DenseNetwork]) -> DenseNetwork:
         """The network of a file on signals, as training has it: logits have no scale."""
         return on_signals(read[0], *self.scene.scales_of(len(self.chosen)))

@@ -13,8 +13,7 @@ from golden.networks.arrangement import seen
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import Some, Trained, layers_of, rebuilt
-from golden.trained.mlp import Mlp
+from golden.trained.dense import DenseNetwork
 from tactus.scene import Scene, Vectors
 from tactus.scene.labels import wrong_percent
 from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings
@@ -88,12 +87,12 @@ class Task:
             for name, inputs in zip(columns, self.training.inputs.T, strict=False)
         ]
 
-    def bit_true(self, network: Trained, frames: Frames) -> Real:
+    def bit_true(self, network: DenseNetwork, frames: Frames) -> Real:
         """Outputs of a network in the scene's hardware."""
         return SIGNAL.to_real(self.scene.build(network).process(frames.codes))
 
 
-def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
+def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[DenseNetwork]) -> Task:
     """The task of the network that follows ``earlier``, the networks trained before it."""
     split = split_of(scene)
     number = len(earlier)
@@ -131,7 +130,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
 
 
-def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
+def _seen(scene: Scene, codes: Codes, earlier: Sequence[DenseNetwork]) -> dict[str, Any]:
     """The inputs of the network after ``earlier``, as numbers and as codes."""
     samples = SIGNAL.to_real(codes)
     bit_true: list[Codes] = []
@@ -149,18 +148,18 @@ def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
     }
 
 
-def shift_biases(task: Task, network: Some, frames: Frames) -> Some:
+def shift_biases(task: Task, network: DenseNetwork, frames: Frames) -> DenseNetwork:
     """Shift the output biases by the weighted mean bit-true error on ``frames``, twice."""
     weight = 1 / frames.scale**2
     for _ in range(2):
         results = task.bit_true(network, frames)
         miss = (weight * (frames.targets - results)).sum(axis=0) / weight.sum(axis=0)
-        *before, last = layers_of(network)
-        network = rebuilt(network, [*before, replace(last, biases=last.biases + miss)])
+        *before, last = network.layers
+        network = DenseNetwork((*before, replace(last, biases=last.biases + miss)))
     return network
 
 
-def as_read(task: Task, network: Trained) -> tuple[Trained, Trained]:
+def as_read(task: Task, network: DenseNetwork) -> tuple[DenseNetwork, DenseNetwork]:
     """A trained network as a file holds it, and as it is read from there."""
     scene = task.scene
     inputs, outputs = scene.scales_of(task.number)
@@ -168,12 +167,12 @@ def as_read(task: Task, network: Trained) -> tuple[Trained, Trained]:
     return file, on_signals(file, *scene.scales_as_read(file, task.number))
 
 
-def signed_errors(task: Task, network: Trained, frames: Frames) -> Real:
+def signed_errors(task: Task, network: DenseNetwork, frames: Frames) -> Real:
     """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
     return 100 * (task.bit_true(network, frames) - frames.targets) / frames.scale
 
 
-def percent_errors(task: Task, network: Trained, frames: Frames) -> Real:
+def percent_errors(task: Task, network: DenseNetwork, frames: Frames) -> Real:
     """Bit-true errors in percent, shape (rows, outputs).
 
     They have their signs or, of a class, are those of ``wrong_percent``.
@@ -183,7 +182,7 @@ def percent_errors(task: Task, network: Trained, frames: Frames) -> Real:
     return signed_errors(task, network, frames)
 
 
-def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
+def bit_true_error(task: Task, network: DenseNetwork, frames: Frames) -> float:
     """The figure that chooses among candidates: the root mean square of the bit-true errors.
 
     If the scene has classes, it is the part of the frames with a wrong decision, in percent.

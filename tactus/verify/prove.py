@@ -22,7 +22,6 @@ from joblib import Parallel, delayed
 from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import layers_of
 from tactus.core import store
 from tactus.core.cli import run, stop_if_dry_run, whole, words
 from tactus.core.closure import code
@@ -182,7 +181,7 @@ def _proved(scene: Scene, given: dict[str, Any], rig: Scene, language: str) -> t
 def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
     """How far each output can be from the trained network, and how far a search found it."""
     networks, tanh = scene.networks(), scene.scheme.real
-    layers = [layers_of(one) for one in networks]
+    layers = [one.layers for one in networks]
     try:
         ends, own = (bounds(given, layers, tanh, apart) for apart in (False, True))
     except InputError as reason:

@@ -15,7 +15,7 @@ import numpy as np
 
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from golden.trained.window import Window
 
 
@@ -34,7 +34,7 @@ class BenchInput:
     design: Network
     recordings: tuple[Codes, ...]
     window: Window
-    networks: tuple[Trained, ...]
+    networks: tuple[DenseNetwork, ...]
     arrangement: str
     met: Sequence[Sequence[float]]
     shipped: tuple["BenchInput", ...] = ()

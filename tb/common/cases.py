@@ -9,10 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from golden.trained.dense import Dense, Quantiser, Trained, network_of
+from golden.trained.dense import Dense, DenseNetwork, Quantiser, mlp_of, network_of
 from golden.trained.function import Function, by_name, functions_of
 from golden.trained.function_network import Edge, FunctionNetwork
-from golden.trained.mlp import Mlp
 from golden.trained.window import Window
 
 LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
@@ -28,11 +27,11 @@ shape = "y3"
 FRONT_END = "\n[front_end]\n"
 
 
-def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
+def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> DenseNetwork:
     """A network with normal weights, of deviation ``spread`` in layer 1 and 0.3 in layer 2."""
     inputs, hidden, outputs = shape
     rng = np.random.default_rng(seed)
-    return Mlp(
+    return mlp_of(
         rng.normal(0, spread, (hidden, inputs)),
         rng.normal(0, spread / 2, hidden),
         rng.normal(0, 0.3, (outputs, hidden)),
@@ -47,7 +46,7 @@ def random_network(
     seed: int,
     quantiser: Quantiser | None = None,
     functions: tuple[Function, ...] = (),
-) -> Trained:
+) -> DenseNetwork:
     """A network of any depth with normal weights, whose sums are about as large in each layer.
 
     The weights of the last node of the first hidden layer are 0, so that it has no effect. If there
@@ -124,7 +123,7 @@ class Case:
     functions: tuple[tuple[str, str], ...] = ()
     learned: bool = False
 
-    def networks(self) -> list[Trained]:
+    def networks(self) -> list[DenseNetwork]:
         if self.learned:
             samples = self.shapes[0][0]
             return [
@@ -140,8 +139,8 @@ class Case:
             for i, (inputs, hidden, outputs) in enumerate(self.shapes)
         ]
         if self.arrangement == "single" and self.shapes[0][1] > 1:
-            mlps[0].w1[-1] = 0
-            mlps[0].b1[-1] = 0
+            mlps[0].layers[0].weights[-1] = 0
+            mlps[0].layers[0].biases[-1] = 0
         return [*mlps]
 
     def named_functions(self) -> tuple[Function, ...]:

@@ -17,7 +17,7 @@ from golden.engine.image import Image
 from golden.learning import timeline as learning
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte, lesson_packet
 from golden.link.uart import BYTE_BITS, UartReceiver, bits_of
-from golden.trained.mlp import Mlp
+from golden.trained.dense import mlp_of
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.case_library import cases
@@ -470,7 +470,7 @@ def far_reaching(twin):
         strict=True,
     ):
         w2[output], b2[output] = weights, bias
-    return twin.core.image_for([Mlp(w1, b1, w2, b2)])
+    return twin.core.image_for([mlp_of(w1, b1, w2, b2)])
 
 
 def until_a_profile_ends(twin, network, packet, profiles):

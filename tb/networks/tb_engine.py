@@ -12,7 +12,6 @@ import numpy as np
 from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import layers_of
 from tb.common import network
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import cases
@@ -148,7 +147,7 @@ async def other_numbers_of_samples(dut):
 @test_of(lambda twin: loaded(twin) and twin.rectifies)
 async def networks_of_other_depth(dut):
     """Load networks with one to four hidden layers, also some without ReLU."""
-    await load_each(dut, lambda b: other_depths(layers_of(b.given.networks[0])[0].quantiser), 20)
+    await load_each(dut, lambda b: other_depths(b.given.networks[0].layers[0].quantiser), 20)
 
 
 @test_of(lambda twin: loaded(twin) and twin.loaded.sizes.table_blocks)

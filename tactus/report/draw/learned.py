@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from golden.networks.table_sums import Curve, function_sums
 from golden.numbers.real import Real
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import ITSELF
 from tactus.report.draw.svg import ACCENT, FAINT, plain, style, svg
 from tactus.scene import Scene
@@ -60,7 +60,7 @@ Node = tuple[list[Edge], list[Edge]]
 
 
 def nodes_of(
-    network: Trained, inputs: Real, names: Sequence[str], outputs: Sequence[str]
+    network: DenseNetwork, inputs: Real, names: Sequence[str], outputs: Sequence[str]
 ) -> Iterator[Node]:
     """The hidden nodes of a network; inputs, shape (rows, inputs)."""
     found = function_sums(network, (), "")

@@ -25,7 +25,6 @@ from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
-from golden.trained.mlp import Mlp
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import markdown
 from tactus.report.page.sign_off import sheet
@@ -151,7 +150,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
     for scene in scenes():
         top = scene.twin()
         yield scene.precision.name, top
-        foldable = all(isinstance(network, Mlp) for network in scene.networks())
+        foldable = all(network.plain for network in scene.networks())
         if DESIGNS[scene.design] is Engine and foldable:
             yield (
                 scene.precision.name,

@@ -21,7 +21,7 @@ from golden.common.block import Block
 from golden.engine.program_memory import ProgramMemory, ProgramRam
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.numbers.real import Real
+from golden.trained.dense import Dense, DenseNetwork
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
@@ -92,10 +92,11 @@ def program_rows() -> str:
     programs = {f"{names} asked for": networks[: names.count(",") + 1] for names in asked}
     for part in PRUNED:
         programs[f"the least {part:.0%} of the weights of each layer are 0"] = [
-            replace(one, w1=_pruned(one.w1, part), w2=_pruned(one.w2, part)) for one in networks
+            DenseNetwork(tuple(_pruned(layer, part) for layer in one.layers)) for one in networks
         ]
     programs["a node of each network is dead: no output reads it"] = [
-        replace(one, w2=np.where(np.arange(one.w2.shape[1]) == 0, 0.0, one.w2)) for one in networks
+        DenseNetwork((first, replace(second, weights=second.weights * np.eye(first.nodes)[0])))
+        for first, second in (one.layers for one in networks)
     ]
     rows = []
     for name, these in programs.items():
@@ -104,8 +105,9 @@ def program_rows() -> str:
     return markdown("scene `digit` with | words | clocks", rows)
 
 
-def _pruned(weights: Real, part: float) -> Real:
-    return np.where(np.abs(weights) < np.quantile(np.abs(weights), part), 0.0, weights)
+def _pruned(layer: Dense, part: float) -> Dense:
+    sizes = np.abs(layer.weights)
+    return replace(layer, weights=np.where(sizes < np.quantile(sizes, part), 0.0, layer.weights))
 
 
 def wishes(found: dict[Path, str]) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.trained.dense import Trained
+from golden.trained.dense import DenseNetwork
 from golden.trained.function import Function
 from golden.trained.window import Window
 from tactus.core.templates import environment
@@ -40,7 +40,7 @@ def write_scene(
     folder: Path,
     name: str,
     precision: str,
-    networks: list[Trained],
+    networks: list[DenseNetwork],
     arrangement: str = "single",
     activation: str = "gradient",
     options: str | None = None,
