@@ -355,8 +355,8 @@ COMMANDS = (
     Command(
         "lean",
         "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
-        "scenes to compare with, and RECORD=1 records the result.",
-        (SCENE, option("BESIDE", "other", start=""), RECORD),
+        "scenes to compare with.",
+        (SCENE, option("BESIDE", "other", start="")),
         "tactus.synth.lean",
     ),
     Command(

@@ -30,16 +30,14 @@ def designs(scene: Scene, rows: Sequence[Sized], family: str) -> Table:
     cells: list[list[Cell]] = []
     for row, first in zip(rows, front(rows, family), strict=True):
         found = row.cells(family)
-        if found is None:
-            continue
         spread = None if found.spread is None else ceil(found.spread)
         cells.append(
             [
                 FRONT if first else "",
                 row.candidate.name,
-                round(found.size.luts),
+                round(found.luts),
                 spread,
-                round(found.size.flip_flops),
+                round(found.flip_flops),
                 found.multipliers,
                 found.block_rams,
                 row.clocks,
@@ -95,11 +93,7 @@ TITLE = "LUTs against clocks"
 
 def points(scene: Scene, rows: Sequence[Sized], family: str) -> list[Named]:
     """The designs of a scene, and those that the thesis prints for the digit, fewest LUTs first."""
-    found = [
-        Named(row.candidate.name, row.clocks, cells.size.luts)
-        for row in rows
-        if (cells := row.cells(family)) is not None
-    ]
+    found = [Named(row.candidate.name, row.clocks, row.cells(family).luts) for row in rows]
     if scene.reference in [key for key, _ in PRINTED.values()] and family == "xc2v":
         found += [Named(one.name, one.clocks, one.luts) for one in printed_designs()]
     return sorted(found, key=lambda one: (one.y, one.x, one.name))

@@ -25,7 +25,7 @@ from golden.networks.network import Network
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 from tactus.scene.disturbance import expected_drift
-from tactus.sizing.candidates import CANDIDATES, Refused, Sized, SizingTask, all_sized, settings_for
+from tactus.sizing.candidates import Refused, Sized, SizingTask, all_sized, settings_for
 from tactus.sizing.choice import Choice, choose
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def task_of(scene: Scene) -> SizingTask:
 def compared(scene: Scene) -> tuple[list[Sized], list[Refused]]:
     """Every design of a scene with its costs, and those that cannot be built."""
     task = task_of(scene)
-    found = all_sized(task, CANDIDATES)
+    found = all_sized(task)
     return (
         [one for one in found if isinstance(one, Sized)],
         [one for one in found if isinstance(one, Refused)],

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import le
-from typing import Any
 
 import numpy as np
 
@@ -111,7 +110,6 @@ class Sized:
 
     options: All options of the design, those that the scene sets included.
     size: Estimated LUTs and flip-flops of a Virtex-II.
-    block_rams: Of a Virtex-II.
     worst, mean: The largest and the mean magnitude of the difference from the network in floating
         point, over all outputs of the recorded frames, in units of 2**-13.
     """
@@ -121,7 +119,6 @@ class Sized:
     network: Network
     size: Size
     multipliers: int
-    block_rams: int
     worst: float
     mean: float
 
@@ -144,16 +141,14 @@ class Sized:
         """The name under which recorded networks of the same design stand."""
         return kind_of(self.candidate.design, self.options)
 
-    def cells(self, family: str) -> Cells | None:
-        """What it takes of a family; None where nothing is known of it."""
-        if family == "xc2v":
-            return Cells(self.size, self.multipliers, self.block_rams, spread(self.kind), None)
-        found = routed_size(self.kind, path_of(self.kind, self.options), self.size)
-        if found is None:
-            return None
+    def cells(self, family: str) -> Cells:
+        """What it takes of a family."""
+        size, most = self.size, spread(self.kind)
+        if family == "ecp5":
+            size = routed_size(self.kind, path_of(self.kind, self.options), size)
+            most = routed_spread(self.kind)
         rams = block_rams(self.network, family)
-        most = routed_spread(self.kind)
-        return Cells(found.size, self.multipliers, rams, most, found.clock_mhz)
+        return Cells(size.luts, size.flip_flops, self.multipliers, rams, most, size.clock_mhz)
 
 
 @dataclass(frozen=True)
@@ -164,7 +159,8 @@ class Cells:
     clock_mhz: The clock that is expected; None if it is unknown.
     """
 
-    size: Size
+    luts: float
+    flip_flops: float
     multipliers: int
     block_rams: int
     spread: float | None
@@ -222,10 +218,10 @@ def known(design: str, precision: Precision) -> list[str]:
     ] or names
 
 
-def all_sized(task: SizingTask, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
+def all_sized(task: SizingTask) -> list[Sized | Refused]:
     """What ``sized`` gives for each candidate, without those that are built as an earlier one."""
     found: dict[str, Sized | Refused] = {}
-    for one in (sized(task, candidate) for candidate in candidates):
+    for one in (sized(task, candidate) for candidate in CANDIDATES):
         found.setdefault(one.candidate.name, one)
     return list(found.values())
 
@@ -244,7 +240,6 @@ def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:
             network,
             size_of(features_of(network)),
             multipliers(network),
-            block_rams(network, "xc2v"),
             *errors(task, network),
         )
     except InputError as error:
@@ -266,15 +261,7 @@ def front(rows: Sequence[Sized], family: str) -> list[bool]:
     costs = []
     for row in rows:
         found = row.cells(family)
-        cells: tuple[float, ...] = ()
-        if found is not None:
-            sizes = round(found.size.luts), round(found.size.flip_flops)
-            cells = (*sizes, found.multipliers, found.block_rams, -(found.clock_mhz or 0))
-        costs.append((*cells, row.clocks, row.interval, row.worst, row.mean))
-
-    def beaten(own: tuple[Any, ...]) -> bool:
-        return any(
-            other != own and len(other) == len(own) and all(map(le, other, own)) for other in costs
-        )
-
-    return [not beaten(own) for own in costs]
+        sizes = round(found.luts), round(found.flip_flops), found.multipliers, found.block_rams
+        speed = -(found.clock_mhz or 0), row.clocks, row.interval
+        costs.append((*sizes, *speed, row.worst, row.mean))
+    return [not any(other != own and all(map(le, other, own)) for other in costs) for own in costs]

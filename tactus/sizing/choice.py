@@ -1,13 +1,11 @@
 """Chooses the smallest design that is fast enough, for ``design = "auto"``."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from golden.input_error import InputError
 from golden.networks.network import Network
 from tactus.sizing.candidates import (
-    CANDIDATES,
-    Candidate,
     Cells,
     Refused,
     Sized,
@@ -116,12 +114,11 @@ class Price:
     shares: bool = True
 
     def of(self, cells: Cells) -> float:
-        parts = (
-            self.lut * cells.size.luts,
-            self.multiplier * cells.multipliers,
-            self.block_ram * cells.block_rams,
+        return (
+            self.lut * cells.luts
+            + self.multiplier * cells.multipliers
+            + self.block_ram * cells.block_rams
         )
-        return sum(parts)
 
     def text(self, cells: Cells) -> str:
         found = self.of(cells)
@@ -132,7 +129,7 @@ class Price:
         """Whether the device has all that a design takes, as far as prices are its shares."""
         device = self.device
         pairs = (
-            (cells.size.luts, device.luts),
+            (cells.luts, device.luts),
             (cells.multipliers, device.multipliers),
             (cells.block_rams, device.block_rams),
         )
@@ -159,7 +156,6 @@ class Choice:
     """
 
     row: Sized
-    cells: Cells
     demand: Demand
     price: Price
     smaller: Sized | None
@@ -167,45 +163,37 @@ class Choice:
 
     def lines(self) -> list[str]:
         """What was chosen, by how much the next smaller one misses, and what would be faster."""
-        found = [f"chosen: {self._told(self.row)}"]
-        if self.smaller:
-            missing = self.demand.misses(self.smaller.clocks, self.smaller.interval) or [
-                f"is further from the networks: {_apart(self.smaller)}, not {self.row.mean:.3g}"
+        smaller = "none, no other design is smaller"
+        if one := self.smaller:
+            missing = self.demand.misses(one.clocks, one.interval) or [
+                f"is further from the networks: {_apart(one)}, not {self.row.mean:.3g}"
             ]
-            found.append(
-                f"next smaller: {self.smaller.candidate.name} at {self._price(self.smaller)} "
-                f"{' and '.join(missing)}"
-            )
-        else:
-            found.append("next smaller: none, no other design is smaller")
-        if self.faster:
-            found.append(f"next faster: {self._told(self.faster)}")
-        else:
-            found.append("next faster: none, no other design is faster")
-        return found
+            price = self.price.text(one.cells(self.price.device.family))
+            smaller = f"{one.candidate.name} at {price} {' and '.join(missing)}"
+        faster = self._told(self.faster) if self.faster else "none, no other design is faster"
+        return [
+            f"chosen: {self._told(self.row)}",
+            f"next smaller: {smaller}",
+            f"next faster: {faster}",
+        ]
 
     def _told(self, row: Sized) -> str:
-        cells = _cells(row, self.price)
+        cells = row.cells(self.price.device.family)
         return (
             f"{row.candidate.name}: {row.clocks} clocks, a frame every {row.interval}; about "
-            f"{cells.size.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
+            f"{cells.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
             f"{_counted(cells.block_rams, 'block RAM')}, {self.price.text(cells)}"
             f"{f'; {_apart(row)}' if row.coarse else ''}"
         )
 
-    def _price(self, row: Sized) -> str:
-        return self.price.text(_cells(row, self.price))
 
-
-def choose(
-    task: SizingTask, demand: Demand, price: Price, candidates: Sequence[Candidate] = CANDIDATES
-) -> Choice:
+def choose(task: SizingTask, demand: Demand, price: Price) -> Choice:
     """The cheapest design of a task that meets a demand.
 
     A coarse design is taken only where no other one meets it.
     """
-    found = all_sized(task, candidates)
-    rows = [one for one in found if isinstance(one, Sized) and one.cells(price.device.family)]
+    found = all_sized(task)
+    rows = [one for one in found if isinstance(one, Sized)]
     if not rows:
         raise InputError(
             "hardware.design: got 'auto', expected networks that some design takes: "
@@ -213,7 +201,7 @@ def choose(
                 f"{one.candidate.name}: {one.reason}" for one in found if isinstance(one, Refused)
             )
         )
-    rows.sort(key=lambda row: (price.of(_cells(row, price)), row.clocks))
+    rows.sort(key=lambda row: (price.of(row.cells(price.device.family)), row.clocks))
     fit = [row for row in rows if not demand.misses(row.clocks, row.interval)]
     if not fit:
         nearest = min(rows, key=lambda row: demand.excess(row.clocks, row.interval))
@@ -221,19 +209,10 @@ def choose(
         demand.refuse(nearest.network, name)
     row = next((one for one in fit if not one.coarse), fit[0])
     place = rows.index(row)
-    by_clocks = bool(demand.clocks or not demand.interval)
-    faster = [
-        one
-        for one in rows
-        if (one.clocks < row.clocks if by_clocks else one.interval < row.interval)
-    ]
+    speed = attrgetter("clocks" if demand.clocks or not demand.interval else "interval")
+    faster = [one for one in rows if speed(one) < speed(row)]
     return Choice(
-        row,
-        _cells(row, price),
-        demand,
-        price,
-        rows[place - 1] if place else None,
-        faster[0] if faster else None,
+        row, demand, price, rows[place - 1] if place else None, faster[0] if faster else None
     )
 
 
@@ -243,10 +222,3 @@ def _apart(row: Sized) -> str:
 
 def _counted(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _cells(row: Sized, price: Price) -> Cells:
-    found = row.cells(price.device.family)
-    if found is None:
-        raise InputError(f"{row.candidate.name}: got no cells for {price.device.family}")
-    return found

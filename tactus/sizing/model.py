@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
@@ -25,32 +26,19 @@ from tactus.sizing.features import FLIP_FLOPS, LUTS
 # Designs that have a register after some adders.
 GRAPHS = ("adder_graph", "table_graph")
 CELLS = Path(__file__).with_name("cells.csv")
-COLUMNS: tuple[str, ...] = (
-    "network",
-    "weights",
-    "design",
-    "path",
-    "luts",
-    "flip_flops",
-    "ecp5_luts",
-    "ecp5_flip_flops",
-    "ecp5_mhz",
-    "features",
+COLUMNS = (
+    *("network", "weights", "design", "path", "luts", "flip_flops"),
+    *("ecp5_luts", "ecp5_flip_flops", "ecp5_mhz", "features"),
 )
 
 
 @dataclass(frozen=True)
 class Size:
+    """Cells, and the clock where it is known."""
+
     luts: float
     flip_flops: float
-
-
-@dataclass(frozen=True)
-class Routed:
-    """Cells of an ECP5 and the clock there, which is None where no such path was recorded."""
-
-    size: Size
-    clock_mhz: float | None
+    clock_mhz: float | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +50,7 @@ class Recorded:
     design: The design as ``tactus.sizing.candidates`` names it.
     path: See ``path_of``.
     size: Of a Virtex-II.
-    routed: None where the network was not placed and routed.
+    routed: Of an ECP5; None where the network was not placed and routed.
     """
 
     network: str
@@ -70,12 +58,8 @@ class Recorded:
     design: str
     path: int
     size: Size
-    routed: Routed | None
+    routed: Size | None
     features: Mapping[str, int]
-
-
-# The coefficients of LUTs, and those of flip-flops.
-Model = tuple[Real, Real]
 
 
 @cache
@@ -86,19 +70,24 @@ def recorded() -> tuple[Recorded, ...]:
     found = []
     for network, weights, design, path, luts, flip_flops, *placed, features in read.rows:
         size = Size(int(luts), int(flip_flops))
-        routed = Routed(Size(*map(int, placed[:2])), float(placed[2])) if all(placed) else None
+        routed = Size(*map(int, placed[:2]), float(placed[2])) if all(placed) else None
         pairs = (pair.split("=") for pair in features.split())
         numbers = {name: int(number) for name, number in pairs}
         found.append(Recorded(network, weights, design, int(path), size, routed, numbers))
     return tuple(found)
 
 
-def fitted(rows: Iterable[Recorded]) -> Model:
-    """The coefficients, by least squares of the relative errors over different networks."""
-    known = list(rows)
+@cache
+def model(without: str = "") -> tuple[Real, Real]:
+    """The coefficients of LUTs and of flip-flops that fit the recorded networks.
+
+    They are least squares of the relative errors over different networks. Networks with the weights
+    ``without`` are left out.
+    """
+    rows = [row for row in recorded() if row.weights != without]
     return (
-        _least({(_numbers(row.features, LUTS), row.size.luts) for row in known}),
-        _least({(_numbers(row.features, FLIP_FLOPS), row.size.flip_flops) for row in known}),
+        _least({(_numbers(row.features, LUTS), row.size.luts) for row in rows}),
+        _least({(_numbers(row.features, FLIP_FLOPS), row.size.flip_flops) for row in rows}),
     )
 
 
@@ -113,15 +102,9 @@ def _least(found: set[tuple[tuple[int, ...], float]]) -> Real:
     return coefficients
 
 
-@cache
-def model() -> Model:
-    """The coefficients that fit all rows of ``cells.csv``."""
-    return fitted(recorded())
-
-
-def size_of(features: Mapping[str, int], known: Model | None = None) -> Size:
+def size_of(features: Mapping[str, int], without: str = "") -> Size:
     """The estimated cells of a network with these features."""
-    pairs = zip((LUTS, FLIP_FLOPS), known or model(), strict=True)
+    pairs = zip((LUTS, FLIP_FLOPS), model(without), strict=True)
     return Size(*(float(np.dot(_numbers(features, names), each)) for names, each in pairs))
 
 
@@ -129,14 +112,12 @@ def size_of(features: Mapping[str, int], known: Model | None = None) -> Size:
 class Held:
     """A recorded network, and what the model says of it that was fitted to all others."""
 
-    network: str
-    design: str
-    recorded: Size
+    recorded: Recorded
     estimated: Size
 
     @property
     def percent(self) -> float:
-        return 100 * (self.estimated.luts / self.recorded.luts - 1)
+        return 100 * (self.estimated.luts / self.recorded.size.luts - 1)
 
 
 @cache
@@ -146,14 +127,10 @@ def held_out() -> tuple[Held, ...]:
     A network is left out if it has something of which the others know nothing.
     """
     found = []
-    for weights in sorted({row.weights for row in recorded()}):
-        others = [row for row in recorded() if row.weights != weights]
-        known, met = fitted(others), {name for row in others for name in row.features}
-        found += [
-            Held(row.network, row.design, row.size, size_of(row.features, known))
-            for row in recorded()
-            if row.weights == weights and row.features.keys() <= met
-        ]
+    for row in sorted(recorded(), key=lambda row: row.weights):
+        others = (other for other in recorded() if other.weights != row.weights)
+        if row.features.keys() <= {name for other in others for name in other.features}:
+            found.append(Held(row, size_of(row.features, without=row.weights)))
     return tuple(found)
 
 
@@ -162,7 +139,8 @@ def spread(design: str) -> float | None:
 
     None if no network of the design can be held out.
     """
-    return max((abs(one.percent) for one in held_out() if one.design == design), default=None)
+    held = (abs(one.percent) for one in held_out() if one.recorded.design == design)
+    return max(held, default=None)
 
 
 def placed(design: str) -> list[Recorded]:
@@ -177,34 +155,26 @@ def path_of(design: str, options: Mapping[str, object]) -> int:
     return count if design.startswith(GRAPHS) and isinstance(count, int) else 0
 
 
-def routed_size(design: str, path: int, size: Size) -> Routed | None:
-    """The estimate on an ECP5 for a network whose cells on a Virtex-II are estimated.
-
-    None where no network of the design was placed and routed.
-    """
+def routed_size(design: str, path: int, size: Size) -> Size:
+    """The estimate on an ECP5 for a network whose cells on a Virtex-II are estimated."""
     rows = placed(design)
-    if not rows:
-        return None
-    found = Size(size.luts * ratio(rows, "luts"), size.flip_flops * ratio(rows, "flip_flops"))
-    return Routed(found, clock_of(rows, path))
+    luts, flip_flops = (ratio(rows, cell) for cell in ("luts", "flip_flops"))
+    return Size(size.luts * luts, size.flip_flops * flip_flops, clock_of(rows, path))
 
 
 def ratio(rows: Iterable[Recorded], cell: str) -> float:
     """The usual ratio of a kind of cells to those of a Virtex-II."""
-    pairs = ((row.routed.size, row.size) for row in rows if row.routed)
-    return float(np.median([getattr(here, cell) / getattr(there, cell) for here, there in pairs]))
+    return median(getattr(row.routed, cell) / getattr(row.size, cell) for row in rows)
 
 
 def routed_spread(design: str) -> float | None:
     """As ``spread`` on an ECP5, where both estimates did not know the network."""
-    rows = placed(design)
-    estimated = {one.network: one.estimated.luts for one in held_out()}
     errors = []
-    for row in rows:
-        others = [other for other in rows if other.network != row.network]
-        if row.network in estimated and others and row.routed:
-            found = ratio(others, "luts") * estimated[row.network]
-            errors.append(abs(100 * (found / row.routed.size.luts - 1)))
+    for one in held_out():
+        row, others = one.recorded, [r for r in placed(design) if r != one.recorded]
+        if row.design == design and row.routed and others:
+            luts = ratio(others, "luts") * one.estimated.luts
+            errors.append(abs(100 * (luts / row.routed.luts - 1)))
     return max(errors, default=None)
 
 

@@ -1,4 +1,4 @@
-"""What ``make synth`` and ``make lean`` recorded, in tables that are sorted so that a diff is read.
+"""What ``make synth`` recorded, in tables that are sorted so that a diff is read.
 
 The shipped scenes share one table a kind. Any other scene has one beside it, in the same format.
 The recorded cells of a scene's entities are its budget, with which new counts are compared.
@@ -16,7 +16,7 @@ from tactus.core.table import read_csv_file, read_texts, write_csv_file
 from tactus.scene import FOLDER, Scene, thesis_table
 from tactus.synth.cells import DEPTH, KINDS
 
-CELLS, TIMING, LEAN = "cells", "timing", "lean"
+CELLS, TIMING = "cells", "timing"
 COLUMNS = ["family", "entity", *KINDS, DEPTH]
 # Counts by family, by entity, and by the kind of cell.
 Cells = dict[str, dict[str, dict[str, int]]]

@@ -1,13 +1,13 @@
-"""``python -m tactus.synth.sizing``: compare estimated cells with recorded ones.
+"""``python -m tactus.synth.sizing``: record the cells to which the estimates are fitted.
 
-``tactus/sizing/cells.csv`` holds the cells of the networks that ``make synth`` recorded, beside the
-numbers from which ``tactus.sizing.model`` estimates them; ``--record`` writes it anew.
+``tactus/sizing/cells.csv`` gets the cells of the networks that ``make synth`` recorded, and of
+other designs of the same networks, beside the numbers from which ``tactus.sizing.model`` estimates
+them.
 """
 
-import argparse
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from golden.input_error import InputError
@@ -34,7 +34,7 @@ from tactus.sizing.candidates import (
     tables,
 )
 from tactus.sizing.features import IN_ONE_PIECE, features_of
-from tactus.sizing.model import CELLS, COLUMNS, Recorded, Routed, Size, held_out, path_of, recorded
+from tactus.sizing.model import CELLS, COLUMNS, Recorded, Size, path_of
 from tactus.synth.budget import Cells, is_recorded, read_budget
 from tactus.synth.cells import flat_name, synthesise, synthesise_flat
 from tactus.synth.timing import read_timing
@@ -124,7 +124,7 @@ def row_of(
     kind, routed = kind_of(design, options), None
     if not candidate and scene.twin() == core and not scene.argmax:
         timing, _ = read_timing(scene.path)
-        routed = Routed(Size(timing.luts, timing.flip_flops), timing.clock_mhz)
+        routed = Size(timing.luts, timing.flip_flops, timing.clock_mhz)
     features = features_of(core)
     own = (whole_cells(cells[FAMILY], core, cell) for cell in ("LUT", "flip-flop"))
     weights = file_of(scene.weights_paths[0]).stem
@@ -153,33 +153,20 @@ def record() -> list[Recorded]:
     for extra in EXTRAS:
         print(extra.name, flush=True)
         rows.append(row_of(extra.name, *synthesised(extra), extra.candidate))
-    # A scene of a study may have no data here.
-    return rows + [row for row in recorded() if row.network.startswith("studies/")]
+    return rows
 
 
 def written(row: Recorded) -> list[object]:
-    routed = row.routed
-    placed = (*vars(routed.size).values(), routed.clock_mhz) if routed else ("", "", "")
+    placed = astuple(row.routed) if row.routed else ("", "", "")
     features = " ".join(f"{name}={number}" for name, number in sorted(row.features.items()))
-    size = vars(row.size).values()
+    size = row.size.luts, row.size.flip_flops
     return [row.network, row.weights, row.design, row.path, *size, *placed, features]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tactus.synth.sizing", description=__doc__)
-    parser.add_argument("--record", action="store_true")
-    asked = parser.parse_args().record
-    stop_if_dry_run(
-        "synthesise networks and record their cells" if asked else "compare estimated cells"
-    )
-    if asked:
-        write_csv_file(CELLS, [COLUMNS, *map(written, record())])
-        print(f"wrote {CELLS}")
-    print("LUTs of a Virtex-II: recorded, and estimated from networks of other weights")
-    widest = max(len(one.network) for one in held_out())
-    for one in held_out():
-        luts = f"{one.recorded.luts:8}{one.estimated.luts:10.0f}{one.percent:+8.1f} %"
-        print(f"{one.network:{widest}}  {one.design:20}{luts}")
+    stop_if_dry_run("synthesise networks and record their cells")
+    write_csv_file(CELLS, [COLUMNS, *map(written, record())])
+    print(f"wrote {CELLS}")
 
 
 if __name__ == "__main__":

@@ -142,8 +142,9 @@ def design_spreads() -> str:
     """Every recorded network, estimated by a model that does not know its weights."""
     rows = []
     for one in held_out():
-        luts = [one.recorded.luts, f"{one.estimated.luts:.0f}", f"{one.percent:+.1f}"]
-        rows.append([f"`{one.network}`", one.design, *luts])
+        row = one.recorded
+        luts = [f"{row.size.luts}", f"{one.estimated.luts:.0f}", f"{one.percent:+.1f}"]
+        rows.append([f"`{row.network}`", row.design, *luts])
     return markdown("network | design | LUTs | estimated | error %", rows)
 
 
