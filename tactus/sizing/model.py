@@ -70,7 +70,7 @@ def recorded() -> tuple[Recorded, ...]:
     found = []
     for network, weights, design, path, luts, flip_flops, *placed, features in read.rows:
         size = Size(int(luts), int(flip_flops))
-        routed = Size(*map(int, placed[:2]), float(placed[2])) if all(placed) else None
+        routed = Size(*map(float, placed)) if all(placed) else None
         pairs = (pair.split("=") for pair in features.split())
         numbers = {name: int(number) for name, number in pairs}
         found.append(Recorded(network, weights, design, int(path), size, routed, numbers))
