@@ -380,6 +380,14 @@ def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(sources: Copy, monk
     assert changed(benches, sources.benches()) == benches.keys()
 
 
+def test_keys_that_a_module_declares_are_its_code(tmp_path: Path) -> None:
+    module, told = tmp_path / "keys.py", closure.code_of.__wrapped__
+    module.write_text("KEYS = load_keys(file)")
+    without = told(module)
+    module.with_suffix(".toml").write_text("[data]")
+    assert told(module) == f"{without}\n[data]"
+
+
 def test_modules_that_are_found_by_name_are_listed() -> None:
     """Others import by text, which ``closure`` reads, or stand in no key."""
     named = ("golden", "hdl", "tactus/network_files", "tactus/scene")

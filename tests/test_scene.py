@@ -31,8 +31,8 @@ from tactus.boards.board import BOARD
 from tactus.boards.board import FOLDER as BOARDS
 from tactus.cli import train as command
 from tactus.cli.train import train_scene
-from tactus.core.finding import faults
-from tactus.core.schema import REQUIRED, Key, KeyTable, json_schema
+from tactus.core.finding import faults as found_faults
+from tactus.core.schema import Rule, faults, has_default, standard
 from tactus.core.table import read_table, write_table
 from tactus.errors import held_out_rows, provenances, scene_errors, unit_errors
 from tactus.network_files.network_file import (
@@ -57,7 +57,8 @@ from tactus.scene import (
 )
 from tactus.scene.codes import saturating
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.reading import EDITOR_SCHEMA, SCENE, in_todays_words
+from tactus.scene.keys import EDITOR_SCHEMA, SCENE
+from tactus.scene.reading import in_todays_words
 from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
 from tactus.scene.vectors import read_recorded, warn_outside
 from tactus.train import search
@@ -136,7 +137,7 @@ def test_a_shipped_scene_has_no_faults(name: str, tmp_path: Path) -> None:
     assert not list(saturating(scene))
     # Whether 5000 rows of each sensor tell something takes long to find.
     if not name.startswith("swing"):
-        assert not faults(everything(scene, tmp_path))
+        assert not found_faults(everything(scene, tmp_path))
 
 
 @pytest.mark.parametrize(
@@ -176,11 +177,11 @@ VALUES: list[Any] = [
 ]
 
 
-def sections(table: KeyTable) -> Iterator[tuple[str, Key]]:
+def sections(table: Rule) -> Iterator[tuple[str, Rule]]:
     """Every key within a table, with its place. A table comes after the keys in it."""
-    for name, key in table.keys.items():
-        if isinstance(key.kind, KeyTable):
-            yield from ((f"{name}.{inner}", below) for inner, below in sections(key.kind))
+    for name, key in table["properties"].items():
+        if "properties" in key:
+            yield from ((f"{name}.{inner}", below) for inner, below in sections(key))
         yield name, key
 
 
@@ -188,8 +189,8 @@ KEYS = [(name, key) for table in (SCENE, BOARD, RIG) for name, key in sections(t
 
 
 @pytest.mark.parametrize(("table", "path"), FILES, ids=lambda part: getattr(part, "stem", ""))
-def test_every_shipped_file_is_accepted(table: KeyTable, path: Path) -> None:
-    schema = json.loads(json_schema(table, "any"))
+def test_every_shipped_file_is_accepted(table: Rule, path: Path) -> None:
+    schema = standard(table)
     Draft7Validator.check_schema(schema)
     raw = tomllib.loads(path.read_text(encoding="utf-8"))
     assert not [error.message for error in Draft7Validator(schema).iter_errors(raw)]
@@ -198,24 +199,23 @@ def test_every_shipped_file_is_accepted(table: KeyTable, path: Path) -> None:
 def test_schema_and_check_agree() -> None:
     """They agree on every value: the schema marks just the values that the check refuses."""
     for (name, key), value in product(KEYS, VALUES):
-        judge = Draft7Validator(key.kind.schema())
-        found = list(key.kind.faults(value, name))
+        judge = Draft7Validator(standard(key))
+        found = list(faults(key, value, name))
         assert judge.is_valid(value) == (not found), (value, found)
         assert all(fault.startswith(name) for fault in found), found
 
 
 def test_a_default_is_what_may_stand_there() -> None:
-    """Values that stand for a missing key are an exception."""
+    """Others mean that there is none: they are empty, or a 0 that may not stand there."""
     for name, key in KEYS:
-        if key.default not in (REQUIRED, None, "", [], {}) and (key.default or not key.kind.absent):
-            assert not list(key.kind.faults(key.default, name))
+        if "default" in key and not has_default(key):
+            assert key["default"] in ("", [], {}, 0), name
 
 
 def test_every_key_has_a_meaning_that_an_editor_can_show() -> None:
     schema = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
-    for section, key in SCENE.keys.items():
-        for name, inner in key.kind.keys.items():
-            assert inner.meaning, name
+    for section, table in SCENE["properties"].items():
+        for name in table["properties"]:
             shown = schema["properties"][section]["properties"][name]
             assert not re.search(r"`|\]\(", shown["description"])
 

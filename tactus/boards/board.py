@@ -6,18 +6,7 @@ from pathlib import Path
 
 from golden.input_error import InputError, suggest
 from tactus.core.files import named_file
-from tactus.core.schema import (
-    Flag,
-    Key,
-    KeyTable,
-    List,
-    Map,
-    Number,
-    Span,
-    Text,
-    Whole,
-    read_checked,
-)
+from tactus.core.schema import Rule, filled, read_checked
 
 # For each family: the name of a device by its maker, and its name in nextpnr.
 DEVICES = {
@@ -54,44 +43,31 @@ FOLDER = Path(__file__).parent
 WIRES = ("miso", "sclk", "cs_n", "mosi", "rx", "tx", "dac_x", "dac_y")
 LAMPS = ("converter_error",)
 PORTS = (*WIRES, *LAMPS)
-_TEXTS = List(Text(some=True), "a list of texts", "a list of texts")
-PIN = KeyTable(
-    {
-        "pin": Key(Text()),
-        "at": Key(Text()),
-        "pull_up": Key(Flag(), False),
-        "inverted": Key(Flag(), False),
-    }
-)
-BOARD = KeyTable(
-    {
-        "title": Key(Text()),
-        "sources": Key(_TEXTS),
-        "load": Key(Text(), ""),
-        "flash": Key(Text()),
-        "device": Key(
-            KeyTable(
-                {
-                    "family": Key(Text(tuple(DEVICES))),
-                    "names": Key(_TEXTS),
-                    "package": Key(Text()),
-                    "speed": Key(Whole(), None),
-                    "configuration": Key(Map(Text()), {}),
-                }
-            )
-        ),
-        "clock": Key(
-            KeyTable(
-                {
-                    "pin": Key(Text()),
-                    "mhz": Key(Number(Span(above=0))),
-                    "pll_pad": Key(Flag(), False),
-                }
-            )
-        ),
-        "pins": Key(KeyTable({port: Key(PIN, None) for port in PORTS}, noun="port ")),
-        "high": Key(Map(PIN), {}),
-    }
+
+
+def _table(**properties: Rule) -> Rule:
+    return {"type": "object", "properties": properties}
+
+
+_TEXT: Rule = {"type": "string"}
+_FLAG: Rule = {"type": "boolean", "default": False}
+_TEXTS = {"type": "array", "items": _TEXT | {"minLength": 1}, "minItems": 1}
+PIN = _table(pin=_TEXT, at=_TEXT, pull_up=_FLAG, inverted=_FLAG)
+BOARD = _table(
+    title=_TEXT,
+    sources=_TEXTS,
+    load=_TEXT | {"default": ""},
+    flash=_TEXT,
+    device=_table(
+        family=_TEXT | {"enum": list(DEVICES)},
+        names=_TEXTS,
+        package=_TEXT,
+        speed={"type": "integer", "optional": True},
+        configuration={"type": "object", "additionalProperties": _TEXT, "default": {}},
+    ),
+    clock=_table(pin=_TEXT, mhz={"type": "number", "exclusiveMinimum": 0}, pll_pad=_FLAG),
+    pins=_table(**{port: PIN | {"optional": True} for port in PORTS}),
+    high={"type": "object", "additionalProperties": PIN, "default": {}},
 )
 # The texts that are allowed in a pins file between quotes or in a command line, and as a name in
 # Verilog.
@@ -186,7 +162,7 @@ def load_board(name: str, device: str = "") -> Board:
             f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
         )
     pins = {name: Pin(**pin) for name, pin in values["pins"].items()}
-    high = {name: Pin(**PIN.filled(pin)) for name, pin in values["high"].items()}
+    high = {name: Pin(**filled(PIN, pin)) for name, pin in values["high"].items()}
     for name in high:
         if not NAME.fullmatch(name) or name in PORTS:
             raise InputError(

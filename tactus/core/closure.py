@@ -2,7 +2,7 @@
 
 A key of the store (``tactus/core/store.py``) holds a digest of the code that found the answer.
 Comments, docstrings and imports are no part of this digest, so a change of these computes nothing
-again.
+again. The keys that a module declares in the TOML file beside it are a part of its code.
 """
 
 import re
@@ -82,7 +82,7 @@ def file_of(name: str) -> Path | None:
 
 @cache
 def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
-    """The lines of a file without docstrings, comments, imports and empty lines.
+    """The lines of a module without docstrings, comments, imports and empty lines.
 
     So a module stays the same when it or one of its imports moves. The lines are taken as they are,
     because the output of ``ast.unparse`` differs between versions of Python. The file is read token
@@ -105,6 +105,9 @@ def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
             statement = []
         elif token.type not in LAYOUT:
             statement.append(token)
+    declared = path.with_suffix(".toml")
+    if "load_keys(" in text and declared.is_file():
+        lines += declared.read_text(encoding="utf-8").splitlines()
     return "\n".join(line for line in lines if line.strip())
 
 

@@ -1,24 +1,31 @@
-"""Declares the TOML files that tactus reads, each of them once.
+"""Reads the TOML files of users by a declaration of their keys, which is a TOML file too.
 
-A file is a ``KeyTable`` of ``Key``, and a key has a ``Kind``, a default and a meaning. From this
-declaration come the check of a file with its messages, the values of keys that are left out, the
-JSON schema with which an editor completes and checks a file, and the tables of keys in the pages. A
-rule that involves two keys, or another file, is beyond any kind; the code that reads the file
-checks it.
+A declaration, such as ``tactus/scene/keys.toml``, speaks the words of JSON Schema, and a few more.
+From it come the check of a file with its messages, the values of keys that are left out, the JSON
+schema with which an editor completes and checks a file, and the tables of keys in the pages. A rule
+that involves two keys, or another file, is beyond it; the code that reads the file checks it.
 
-No library does all of this. Models of pydantic would check types, ranges and unknown names. But
-pydantic reports a fault once for each kind that a key may have, names the place of a value within a
-list and not the list, and says neither what was expected of a missing key nor which name is the
-nearest. So every message, and the tables for pages, would have to be written here all the same, in
-some 60 % of these lines. msgspec stops at the first fault.
+A table of the declaration is a section, or a key, for which ``rule`` holds words in one line. A key
+without ``default`` is required, unless it is ``optional``, which gives it no value. A default that
+may not stand in the file, or is empty, means none. The words beside those of JSON Schema are:
+
+- ``expected``: what a message expects where the program's own words would not do.
+- ``either``: pairs of keys of which a table has exactly one.
+- ``rising``: no value of a list may be less than the one before it.
+- ``begins``: a text that begins so is allowed beside those of ``enum``. The program may know these.
+- ``name``: the type as a page and a message call it; ``shown``: the default as a page shows it.
+
+No library does all of this. jsonschema and pydantic check types, ranges and unknown names. But they
+report a fault once for each kind that a key may have, name the place of a value within a list and
+not the list, and say neither what was expected of a missing key nor which name is the nearest.
 """
 
 import json
 import math
+import operator
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,48 +33,53 @@ from golden.input_error import InputError, suggest
 from tactus.core.cli import BETWEEN
 from tactus.core.files import reading
 
+# What is declared of a key or of a table of keys.
+Rule = dict[str, Any]
+TYPES: dict[str, tuple[type, ...]] = {
+    "string": (str,),
+    "integer": (int,),
+    "number": (int, float),
+    "boolean": (bool,),
+    "array": (list,),
+    "object": (dict,),
+}
+NAMES = {"string": "text", "integer": "a whole number", "number": "a number", "array": "a list"}
+NAMES |= {"boolean": "true or false", "object": "a table", "": "anything"}
+SEVERAL = {"string": " of texts", "integer": " of whole numbers", "number": " of numbers"}
+LIMITS = {
+    "minimum": operator.ge,
+    "maximum": operator.le,
+    "exclusiveMinimum": operator.gt,
+    "exclusiveMaximum": operator.lt,
+}
+# The words that an editor does not know.
+OWN = {"optional", "expected", "either", "rising", "begins", "name", "shown"}
 
-@dataclass(frozen=True)
-class Span:
-    """The numbers between two ends, each of which may be missing. NaN and infinities never fit.
 
-    least, most: Ends that are part of the range.
-    above, below: Ends that are not part of the range.
-    """
+def load_keys(path: Path, **known: Sequence[str]) -> Rule:
+    """Read a declaration. For an ``enum`` it may give the name of a list of ``known`` texts."""
 
-    least: float | None = None
-    most: float | None = None
-    above: float | None = None
-    below: float | None = None
+    def rule_of(one: Any) -> Any:
+        if isinstance(one, list):
+            return list(map(rule_of, one))
+        if not isinstance(one, dict):
+            return one
+        found = {word: rule_of(value) for word, value in (one.pop("rule", {}) | one).items()}
+        if isinstance(found.get("enum"), str):
+            found["enum"] = list(known[found["enum"]])
+        for word in ("description", "expected", "shown"):
+            if isinstance(found.get(word), str):
+                found[word] = " ".join(found[word].split())
+        return found
 
-    def holds(self, value: float) -> bool:
-        """Whether a number lies in the range."""
-        return (
-            math.isfinite(value)
-            and (self.least is None or value >= self.least)
-            and (self.most is None or value <= self.most)
-            and (self.above is None or value > self.above)
-            and (self.below is None or value < self.below)
-        )
+    def section(one: Rule) -> Rule:
+        keys = {name: rule_of(key) for name, key in one.items() if isinstance(key, dict)}
+        facts = {word: value for word, value in one.items() if word not in keys}
+        empty = {} if "optional" in one else {"default": dict[str, Any]()}
+        return {"type": "object", **empty, **facts, "properties": keys}
 
-    def __str__(self) -> str:
-        if self.least is not None:
-            if self.most is None and self.below is None:
-                return f"{self.least:g} or more"
-            most = f"{self.most:.10g}" if self.below is None else f"below {self.below:g}"
-            return f"{self.least:g} to {most}"
-        ends = {"above {:g}": self.above, "below {:g}": self.below, "{:.10g} at most": self.most}
-        return " and ".join(text.format(end) for text, end in ends.items() if end is not None)
-
-    def schema(self) -> dict[str, Any]:
-        """This range as a JSON schema."""
-        words = {
-            "minimum": self.least,
-            "maximum": self.most,
-            "exclusiveMinimum": self.above,
-            "exclusiveMaximum": self.below,
-        }
-        return {word: end for word, end in words.items() if end is not None}
+    sections = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {"type": "object", "properties": {n: section(one) for n, one in sections.items()}}
 
 
 def got(place: str, value: object, expected: str) -> str:
@@ -86,416 +98,128 @@ def written(value: object) -> str:
     return repr(value)
 
 
-class Kind:
-    """A kind of value that a key may hold.
-
-    ``place`` is the beginning of a message.
-
-    choices: The texts that are allowed; empty where every text is.
-    said: What a message expects, instead of the kind's own text.
-    absent: Whether 0 means that the key is left out, so that 0 itself cannot be requested.
-    """
-
-    choices: tuple[str, ...] = ()
-    said: str = ""
-    absent: bool = False
-
-    @property
-    def name(self) -> str:
-        """The name of the type, for pages, such as ``a whole number``."""
-        raise NotImplementedError
-
-    @property
-    def expected(self) -> str:
-        """What a message expects instead of a value of another type."""
-        return self.said or self.name
-
-    def accepts(self, value: object) -> bool:
-        """Whether the value has this type, whatever it contains."""
-        raise NotImplementedError
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        """Messages for all that is wrong with a value."""
-        if not self.accepts(value):
-            yield got(place, value, self.expected)
-
-    def filled(self, value: Any) -> Any:
-        """The value as it is used: with defaults, and as a float where a number is expected."""
-        return value
-
-    def schema(self) -> dict[str, Any]:
-        """This kind as a JSON schema."""
-        raise NotImplementedError
-
-    @property
-    def within(self) -> str:
-        """The range of its numbers, for a page; empty if there is no limit."""
-        return ""
+def named(rule: Rule) -> str:
+    """The type of a key in words, such as ``a whole number``."""
+    if "name" in rule:
+        return str(rule["name"])
+    if "anyOf" in rule:
+        return " or ".join(map(named, rule["anyOf"]))
+    several = SEVERAL.get(rule.get("items", {}).get("type", ""), "")
+    return NAMES[rule.get("type", "")] + several
 
 
-@dataclass(frozen=True)
-class Flag(Kind):
-    """True or false."""
-
-    name: str = field(default="true or false", init=False)
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is bool
-
-    def schema(self) -> dict[str, Any]:
-        return {"type": "boolean"}
+def limits(rule: Rule) -> str:
+    """The range of a number in words; empty if there is none."""
+    least, most, above, below = map(rule.get, LIMITS)
+    if least is not None:
+        if most is None and below is None:
+            return f"{least:g} or more"
+        return f"{least:g} to " + (f"{most:.10g}" if below is None else f"below {below:g}")
+    ends = {"above {:g}": above, "below {:g}": below, "{:.10g} at most": most}
+    return " and ".join(text.format(end) for text, end in ends.items() if end is not None)
 
 
-@dataclass(frozen=True)
-class Anything(Kind):
-    """Any value of TOML, where another part of the file decides what is right."""
+def _of_type(rule: Rule) -> str:
+    """What a message expects instead of a value of another type."""
+    of_contents = rule.get("type") in ("array", "object")
+    known = "" if of_contents else rule.get("expected", "")
+    return known or ", ".join(filter(None, [named(rule), limits(rule)]))
 
-    name: str = field(default="anything", init=False)
 
-    def accepts(self, value: object) -> bool:
+def fits(rule: Rule, value: Any) -> bool:
+    """Whether a value has the type of a key, whatever it contains."""
+    if "anyOf" in rule:
+        return any(fits(one, value) for one in rule["anyOf"])
+    if "type" not in rule:
         return True
-
-    def schema(self) -> dict[str, Any]:
-        return {}
-
-
-@dataclass(frozen=True)
-class Text(Kind):
-    """A text.
-
-    some: Whether the text must not be empty.
-    begins: A text that begins with it is allowed beside the choices; empty for none.
-    """
-
-    choices: tuple[str, ...] = ()
-    some: bool = False
-    said: str = ""
-    begins: str = ""
-    name: str = field(default="text", init=False)
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is str and not (self.some and not value)
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        yield from super().faults(value, place)
-        if self.begins and self.accepts(value) and value.startswith(self.begins):
-            return
-        if self.choices and self.accepts(value) and value not in self.choices:
-            expected = self.said or f"one of {', '.join(self.choices)}"
-            yield got(place, value, expected) + suggest(value, self.choices)
-
-    def schema(self) -> dict[str, Any]:
-        if self.begins:
-            other = {"type": "string", "pattern": f"^{self.begins}"}
-            return {"anyOf": [{"enum": list(self.choices)}, other]}
-        if self.choices:
-            return {"enum": list(self.choices)}
-        return {"type": "string", **({"minLength": 1} if self.some else {})}
-
-
-@dataclass(frozen=True)
-class Number(Kind):
-    """A number; a whole number is one too.
-
-    finite: Whether NaN and the infinities are refused, whatever the span.
-    """
-
-    span: Span | None = None
-    said: str = ""
-    finite: bool = False
-    absent: bool = False
-    name: str = field(default="a number", init=False)
-
-    def accepts(self, value: object) -> bool:
-        if type(value) is float:
-            return not self.finite or math.isfinite(value)
-        return type(value) is int
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        yield from super().faults(value, place)
-        if self.absent and value == 0 and self.accepts(value):
-            yield got(place, value, "a number above 0, or no such key")
-        elif self.span and self.accepts(value) and not self.span.holds(value):
-            yield got(place, value, self.said or str(self.span))
-
-    def filled(self, value: Any) -> Any:
-        return float(value)
-
-    def schema(self) -> dict[str, Any]:
-        absent = {"not": {"const": 0}} if self.absent else {}
-        return {"type": "number", **(self.span.schema() if self.span else absent)}
-
-    @property
-    def within(self) -> str:
-        return str(self.span or "")
-
-
-@dataclass(frozen=True)
-class Whole(Number):
-    """A whole number."""
-
-    name: str = field(default="a whole number", init=False)
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is int
-
-    def filled(self, value: Any) -> Any:
-        return value
-
-    def schema(self) -> dict[str, Any]:
-        return super().schema() | {"type": "integer"}
-
-
-@dataclass(frozen=True)
-class List(Kind):
-    """A list of values of one kind.
-
-    said: What a message expects of the contents.
-    least, most: Least and largest number of values.
-    once: Whether each value may stand in the list only once.
-    rising: Whether no value may be less than the one before it.
-    """
-
-    of: Kind
-    said: str
-    name: str = "a list"
-    least: int = 1
-    most: int | None = None
-    once: bool = False
-    rising: bool = False
-
-    @property
-    def expected(self) -> str:
-        return self.name
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is list
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        yield from super().faults(value, place)
-        if not self.accepts(value):
-            return
-        wrong = [one for one in value if any(True for _ in self.of.faults(one, place))]
-        if wrong and self.of.choices and self.of.accepts(wrong[0]):
-            yield from self.of.faults(wrong[0], place)
-        elif wrong and all(map(self.of.accepts, wrong)):
-            yield got(place, value, self.of.said or self.said)
-        elif wrong or not self._counts(value):
-            yield got(place, value, self.said)
-
-    def _counts(self, value: list[Any]) -> bool:
-        """Whether so many values may stand there, in this order."""
-        most = len(value) if self.most is None else self.most
-        twice = self.once and len(set(value)) < len(value)
-        falling = self.rising and value != sorted(value)
-        return self.least <= len(value) <= most and not twice and not falling
-
-    def schema(self) -> dict[str, Any]:
-        counts = {"minItems": self.least or None, "maxItems": self.most}
-        counts |= {"uniqueItems": self.once or None}
-        kept = {word: count for word, count in counts.items() if count is not None}
-        return {"type": "array", "items": self.of.schema(), **kept}
-
-    @property
-    def within(self) -> str:
-        return f"each {self.of.within}" if self.of.within else ""
-
-
-@dataclass(frozen=True)
-class Each(Kind):
-    """One value for all networks of a scene, or a list with one value for each network."""
-
-    of: Kind
-
-    @property
-    def name(self) -> str:
-        return f"{self.of.name}, or a list with one for each network"
-
-    def accepts(self, value: object) -> bool:
-        return all(self.of.accepts(one) for one in self._all(value))
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        yield from super().faults(value, place)
-        every = self._all(value) if self.accepts(value) else []
-        if any(True for one in every for _ in self.of.faults(one, "")):
-            yield got(place, value, self.of.within)
-
-    @staticmethod
-    def _all(value: Any) -> list[Any]:
-        return value if isinstance(value, list) else [value]
-
-    def schema(self) -> dict[str, Any]:
-        one = self.of.schema()
-        return {"anyOf": [one, {"type": "array", "items": one}]}
-
-    @property
-    def within(self) -> str:
-        return self.of.within
-
-
-@dataclass(frozen=True)
-class Map(Kind):
-    """A table whose names are not known beforehand, such as those of columns.
-
-    names: The names that are allowed; empty where every name is.
-    said: What a message expects if anything in the table is wrong. If it is empty, each value is
-        reported by itself.
-    """
-
-    of: Kind
-    names: tuple[str, ...] = ()
-    said: str = ""
-    name: str = field(default="a table", init=False)
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is dict
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        if not self.accepts(value):
-            yield got(place, value, self.expected)
-            return
-        found = [f for name, one in value.items() for f in self.of.faults(one, f"{place}.{name}")]
-        if self.said and (found or (self.names and set(value) - set(self.names))):
-            yield got(place, value, self.said)
-        else:
-            yield from found
-
-    def schema(self) -> dict[str, Any]:
-        one = self.of.schema()
-        if self.names:
-            properties = dict.fromkeys(self.names, one)
-            return {"type": "object", "properties": properties, "additionalProperties": False}
-        return {"type": "object", "additionalProperties": one}
-
-
-@dataclass(frozen=True)
-class Alternatives(Kind):
-    """One of several kinds; if more than one accepts a value, the first one counts.
-
-    said: What a message expects, instead of the names of the kinds.
-    """
-
-    kinds: tuple[Kind, ...]
-    said: str = ""
-
-    @property
-    def name(self) -> str:
-        return " or ".join(kind.name for kind in self.kinds)
-
-    def _meant(self, value: object) -> Kind | None:
-        return next((kind for kind in self.kinds if kind.accepts(value)), None)
-
-    def accepts(self, value: object) -> bool:
-        return self._meant(value) is not None
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        kind = self._meant(value)
-        yield from kind.faults(value, place) if kind else super().faults(value, place)
-
-    def schema(self) -> dict[str, Any]:
-        return {"anyOf": [kind.schema() for kind in self.kinds]}
-
-
-REQUIRED = object()
-
-
-@dataclass(frozen=True)
-class Key:
-    """One key of a table.
-
-    default: Value of the key where it is left out. For a table it may be ``{}``, which is read as a
-        table without keys. None means that there is no value, and ``REQUIRED`` that the key must
-        not be left out.
-    meaning: Description for pages and editors, in Markdown.
-    shown: Text that a page shows instead of the default.
-    """
-
-    kind: Kind
-    default: Any = REQUIRED
-    meaning: str = ""
-    shown: str = ""
-
-
-@dataclass(frozen=True)
-class KeyTable(Kind):
-    """A table with these keys and no others.
-
-    noun: Word, with a blank behind it, that a message puts before the name of a key; empty for
-        none.
-    name: Name of the table in a message.
-    said: What a message expects if the table has other keys or if keys are missing. If it is empty,
-        each key is reported by itself.
-    either: Pairs of keys of which a table has exactly one.
-    """
-
-    keys: Mapping[str, Key]
-    noun: str = "key "
-    name: str = "a table"
-    said: str = ""
-    either: tuple[tuple[str, str], ...] = ()
-
-    @property
-    def expected(self) -> str:
-        return self.name
-
-    def accepts(self, value: object) -> bool:
-        return type(value) is dict
-
-    def faults(self, value: Any, place: str) -> Iterator[str]:
-        if not self.accepts(value):
-            yield got(place, value, self.name)
-            return
-        needed = {name for name in self.keys if self._needs(name)}
-        if self.said and not needed <= set(value) <= set(self.keys):
-            yield got(place, value, self.said)
-            return
-        known, begin = list(self.keys), f"{place}: " if place else ""
-        unknown = [name for name in value if name not in self.keys]
-        for name in unknown:
-            text = f"{self.noun}{name!r} is not known, expected {', '.join(known)}"
-            yield f"{begin}{text}{suggest(name, known)}"
-        for name, key in self.keys.items():
-            where = within(place, name)
-            if name in value:
-                yield from key.kind.faults(value[name], where)
-            # Otherwise it may be the name that is misspelt.
-            elif not unknown and key.default is REQUIRED:
-                yield f"{where}: missing, expected {key.kind.expected}"
-            elif not unknown and isinstance(key.kind, KeyTable) and key.default is not None:
-                yield from key.kind.faults(key.default, where)
-        for first, other in self.either:
-            where = within(place, first)
-            if first in value and other in value:
-                shown = f"{written(value[other])} beside {where}"
-                yield f"{within(place, other)}: got {shown}, expected one of both keys"
-            elif not unknown and first not in value and other not in value:
-                expected = self.keys[first].kind.expected
-                yield f"{where}: missing, expected {expected}, or {within(place, other)}"
-
-    def filled(self, value: Any) -> Any:
-        # The keys that are present keep the order of the file.
-        left_out = {name: self.keys[name].default for name in self.keys if name not in value}
-        present = {**value, **{name: v for name, v in left_out.items() if v is not None}}
-        return {name: self.keys[name].kind.filled(v) for name, v in present.items()}
-
-    def schema(self) -> dict[str, Any]:
-        properties = {}
-        for name, key in self.keys.items():
-            properties[name] = key.kind.schema()
-            if key.meaning:
-                properties[name]["description"] = plain(key.meaning)
-            if key.default not in (REQUIRED, None, "", [], {}) and not key.kind.absent:
-                properties[name]["default"] = key.default
-        found = {"type": "object", "properties": properties, "additionalProperties": False}
-        required = [name for name in self.keys if self._needs(name)]
-        return found | ({"required": required} if required else {})
-
-    def _needs(self, name: str) -> bool:
-        """Whether a file without this key must be refused."""
-        key = self.keys[name]
-        if isinstance(key.kind, KeyTable) and key.default is not None:
-            return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
-        return key.default is REQUIRED
+    finite = type(value) is not float or math.isfinite(value)
+    empty = "minLength" in rule and not value
+    return type(value) in TYPES[rule["type"]] and finite and not empty
+
+
+def _allowed(rule: Rule, value: Any) -> bool:
+    """Whether a text or a number is one of those that a key takes."""
+    if any(word in rule and not holds(value, rule[word]) for word, holds in LIMITS.items()):
+        return False
+    begun = "begins" in rule and value.startswith(rule["begins"])
+    return value in rule.get("enum", [value]) or begun
+
+
+def faults(rule: Rule, value: Any, place: str) -> Iterator[str]:
+    """Messages, which begin with ``place``, for all that is wrong with a value."""
+    alternatives = rule.get("anyOf", [rule])
+    meant = next((one for one in alternatives if fits(one, value)), None)
+    kind = rule.get("type", "")
+    if meant is None:
+        yield got(place, value, _of_type(rule))
+    elif meant is not rule:
+        known = {"expected": rule["expected"]} if "expected" in rule and not limits(meant) else {}
+        yield from faults(known | meant, value, place)
+    elif kind == "object":
+        yield from _faults_of_table(rule, value, place)
+    elif kind == "array":
+        yield from _faults_of_list(rule, value, place)
+    elif not _allowed(rule, value):
+        choices = rule.get("enum", [])
+        expected = rule.get("expected") or limits(rule) or f"one of {', '.join(choices)}"
+        left_out = ", or no such key" if value == rule.get("default") else ""
+        yield got(place, value, expected + left_out) + (suggest(value, choices) if choices else "")
+
+
+def _faults_of_list(rule: Rule, value: list[Any], place: str) -> Iterator[str]:
+    of, expected = rule["items"], rule.get("expected") or named(rule)
+    wrong = [one for one in value if any(faults(of, one, place))]
+    if wrong and "enum" in of and fits(of, wrong[0]):
+        yield from faults(of, wrong[0], place)
+    elif wrong and all(fits(of, one) for one in wrong):
+        yield got(place, value, of.get("expected") or expected)
+    elif (
+        wrong
+        or not rule.get("minItems", 0) <= len(value) <= rule.get("maxItems", len(value))
+        or (rule.get("uniqueItems") and len(set(value)) < len(value))
+        or (rule.get("rising") and value != sorted(value))
+    ):
+        yield got(place, value, expected)
+
+
+def _faults_of_table(rule: Rule, value: dict[str, Any], place: str) -> Iterator[str]:
+    if "properties" not in rule:
+        for name, one in value.items():
+            yield from faults(rule["additionalProperties"], one, within(place, name))
+        return
+    keys = rule["properties"]
+    if "expected" in rule and not set(_required(rule)) <= set(value) <= set(keys):
+        yield got(place, value, rule["expected"])
+        return
+    unknown = [name for name in value if name not in keys]
+    for name in unknown:
+        text = f"key {name!r} is not known, expected {', '.join(keys)}"
+        yield f"{place}: {text}"[0 if place else 2 :] + suggest(name, list(keys))
+    for name, key in keys.items():
+        where = within(place, name)
+        if name in value:
+            yield from faults(key, value[name], where)
+        # Otherwise it may be the name that is misspelt.
+        elif not unknown and "default" not in key and not key.get("optional"):
+            yield f"{where}: missing, expected {_of_type(key)}"
+        elif not unknown and "properties" in key and "default" in key:
+            yield from faults(key, key["default"], where)
+    for first, other in rule.get("either", ()):
+        where, beside = within(place, first), within(place, other)
+        if first in value and other in value:
+            yield f"{beside}: got {written(value[other])} beside {where}, expected one of both keys"
+        elif not unknown and first not in value and other not in value:
+            yield f"{where}: missing, expected {_of_type(keys[first])}, or {beside}"
+
+
+def _required(rule: Rule) -> list[str]:
+    """The keys without which a table must be refused."""
+    keys = rule.get("properties", {})
+    return [
+        name
+        for name, key in keys.items()
+        if not key.get("optional") and ("default" not in key or _required(key))
+    ]
 
 
 def within(place: str, name: str) -> str:
@@ -503,13 +227,20 @@ def within(place: str, name: str) -> str:
     return f"{place}.{name}" if place else name
 
 
-def plain(markdown: str) -> str:
-    """Markdown without links and code, for an editor that shows it unformatted."""
-    return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")
+def filled(rule: Rule, value: Any) -> Any:
+    """A value as it is used: with defaults, and as a float where a number is expected."""
+    if rule.get("type") == "number":
+        return float(value)
+    if "properties" not in rule:
+        return value
+    # The keys that are present keep the order of the file.
+    keys = rule["properties"]
+    left_out = {n: key["default"] for n, key in keys.items() if n not in value and "default" in key}
+    return {name: filled(keys[name], one) for name, one in (value | left_out).items()}
 
 
 def read_checked(
-    path: Path, table: KeyTable, amend: Callable[[dict[str, Any], Path], None] | None = None
+    path: Path, rule: Rule, amend: Callable[[dict[str, Any], Path], None] | None = None
 ) -> dict[str, Any]:
     """Read every key of a file with its value, check each by itself, and fill in the defaults.
 
@@ -519,10 +250,10 @@ def read_checked(
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
     if amend:
         amend(raw, path)
-    found = [*_long(raw, "")] or [*table.faults(raw, "")]
+    found = [*_long(raw, "")] or [*faults(rule, raw, "")]
     if found:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))
-    return table.filled(raw)
+    return dict(filled(rule, raw))
 
 
 def _long(value: Any, place: str) -> Iterator[str]:
@@ -537,11 +268,36 @@ def _long(value: Any, place: str) -> Iterator[str]:
         yield f"{place}: got a number of {value.bit_length()} bits, expected 64 at most"
 
 
-# The newest draft that all editors of TOML support.
-DRAFT = "http://json-schema.org/draft-07/schema#"
+def has_default(rule: Rule) -> bool:
+    """Whether a reader is told what stands for a missing key."""
+    default = rule.get("default", "")
+    return default not in ("", [], {}) and not any(faults(rule, default, ""))
 
 
-def json_schema(table: KeyTable, title: str) -> str:
+def standard(rule: Rule) -> Rule:
+    """A rule in the words of JSON Schema alone."""
+    found = {word: value for word, value in rule.items() if word not in OWN}
+    for word in ("items", "additionalProperties"):
+        if word in rule:
+            found[word] = standard(rule[word])
+    if "anyOf" in rule:
+        found["anyOf"] = list(map(standard, rule["anyOf"]))
+    if "properties" in rule:
+        found["properties"] = {n: standard(key) for n, key in rule["properties"].items()}
+        found |= {"additionalProperties": False, "required": _required(rule)}
+    if "begins" in rule:
+        other = {"type": "string", "pattern": f"^{rule['begins']}"}
+        found = {"anyOf": [found, other]}
+    if "default" in rule and not has_default(rule):
+        del found["default"]
+    if "description" in rule:
+        # An editor shows text without the links and the code of Markdown.
+        plain = re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", rule["description"])
+        found["description"] = plain.replace("`", "")
+    return found
+
+
+def json_schema(rule: Rule, title: str) -> str:
     """The contents of the schema's file, a line for each key of each section."""
 
     def text(value: Any, levels: int) -> str:
@@ -550,27 +306,27 @@ def json_schema(table: KeyTable, title: str) -> str:
         inner = ",\n".join(f"{json.dumps(k)}: {text(v, levels - 1)}" for k, v in value.items())
         return f"{{\n{inner}}}"
 
+    # The newest draft that all editors of TOML support.
+    begin = {"$schema": "http://json-schema.org/draft-07/schema#", "title": title}
     # The sections stand under "properties", and so do the keys of each.
-    return text({"$schema": DRAFT, "title": title, **table.schema()}, 4) + "\n"
+    return text(begin | standard(rule), 4) + "\n"
 
 
-def key_rows(table: KeyTable) -> str:
+def key_rows(rule: Rule) -> str:
     """A Markdown table with the key, type, default and meaning of each key."""
     lines = ["| key | type | default | meaning |", "|---|---|---|---|"]
-    for name, key in table.keys.items():
-        kind = key.kind.name.removeprefix("a ")
-        span = f", {key.kind.within}" if key.kind.within else ""
-        lines.append(f"| `{name}` | {kind}{span} | {_default(key)} | {key.meaning} |")
+    for name, key in rule["properties"].items():
+        one = key.get("anyOf", [key])[0]
+        each = f"each {limits(one['items'])}" if limits(one.get("items", {})) else ""
+        kind = ", ".join(filter(None, [named(key).removeprefix("a "), limits(one) or each]))
+        lines.append(f"| `{name}` | {kind} | {_default(key)} | {key['description']} |")
     return "\n".join(lines)
 
 
-def _default(key: Key) -> str:
-    if key.shown or key.default is REQUIRED:
-        return key.shown
-    if isinstance(key.default, bool):
-        return str(key.default).lower()
-    if isinstance(key.default, str) and key.default:
-        return f"`{key.default}`"
-    if key.kind.absent or key.default in ("", [], {}):
+def _default(rule: Rule) -> str:
+    if "shown" in rule or "default" not in rule:
+        return str(rule.get("shown", ""))
+    if not has_default(rule):
         return "none"
-    return str(key.default)
+    default = rule["default"]
+    return f"`{default}`" if isinstance(default, str) else written(default)

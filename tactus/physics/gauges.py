@@ -18,88 +18,16 @@ import numpy as np
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.files import named_file
-from tactus.core.schema import (
-    REQUIRED,
-    Key,
-    KeyTable,
-    Kind,
-    List,
-    Map,
-    Number,
-    Span,
-    Text,
-    Whole,
-    read_checked,
-)
+from tactus.core.schema import load_keys, read_checked
 from tactus.physics.beam import Beam, Loads, StrainSensor
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
-OBJECTIVES = ("mean", "worst")
 SHAPES = {"rectangle": False, "triangle": True}
-MOST_GAUGES = 32
+RIG = load_keys(Path(__file__).with_suffix(".toml"), outputs=OUTPUTS, shapes=tuple(SHAPES))
 
 # Number of positions along the range of the load, for each width, shape and load.
 POSITIONS = 25
-
-
-def _number(least: float, most: float) -> Key:
-    span = Span(least, most)
-    return Key(Number(span, f"a number, {span}"))
-
-
-def _list(of: Kind, said: str, default: Any = REQUIRED, **counts: Any) -> Key:
-    return Key(List(of, said, said, **{"most": MOST_GAUGES, **counts}), default)
-
-
-def _names(known: tuple[str, ...]) -> Key:
-    return _list(Text(known), f"a list of {', '.join(known)}", once=True)
-
-
-_ANY = Number(Span(-1e6, 1e6))
-_COUNT = Span(1, MOST_GAUGES)
-_POSITIVE = _number(1e-6, 1e6)
-_RANGE = _list(_ANY, "the least and the largest, such as [6.0, 23.0]", least=2, most=2, rising=True)
-_LENGTHS = Map(_POSITIVE.kind, OUTPUTS[1:], "{ position = , width = } in mm")
-_SECTIONS = {
-    "beam": {
-        "length_mm": _POSITIVE,
-        "width_mm": _POSITIVE,
-        "thickness_mm": _number(1e-3, 1e3),
-        "elastic_modulus_gpa": _number(1e-6, 1e4),
-    },
-    "gauges": {
-        "count": Key(Whole(_COUNT, f"a whole number, {_COUNT}")),
-        "from_mm": _number(0, 1e6),
-        "to_mm": _number(0, 1e6),
-        "apart_mm": _number(0.1, 1e6),
-        "full_scale_v": _POSITIVE,
-        "noise_v": _number(0, 1e6),
-        "noise_strain": _number(0, 1),
-        "compare_mm": _list(_ANY, "a list of numbers", []),
-    },
-    "load_cell": {"full_scale_v": _POSITIVE, "noise_v": _POSITIVE},
-    "loads": {
-        "load_g": _RANGE,
-        "position_mm": _RANGE,
-        "edge_mm": _number(0, 1e6),
-        "width_mm": _list(_ANY, "a list of numbers"),
-        "shapes": _names(tuple(SHAPES)),
-    },
-    "errors": {
-        "outputs": _names(OUTPUTS),
-        "length_mm": Key(_LENGTHS),
-        "objective": Key(Text(OBJECTIVES, said=" or ".join(OBJECTIVES))),
-    },
-}
-OPTIONAL = ("load_cell",)
-RIG = KeyTable(
-    {
-        section: Key(KeyTable(keys, name="a section"), None if section in OPTIONAL else REQUIRED)
-        for section, keys in _SECTIONS.items()
-    },
-    noun="section ",
-)
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from tactus.rig import readings
 from tactus.rig.survey import Survey, labels_in
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import MOST
+from tactus.scene.keys import EDITOR_SCHEMA
 from tactus.scene.labels import ordered
-from tactus.scene.reading import EDITOR_SCHEMA
 from tactus.scene.scale import AUTO
 from tactus.train.split import scaled
 

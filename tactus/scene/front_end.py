@@ -14,64 +14,15 @@ from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
 from golden.trained.window import Window
-from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
+from golden.visualisation.load_profile import LoadProfile, load_profile, width_gain
 from tactus.core.finding import Finding, fault, refuse
-from tactus.core.schema import Key, KeyTable, Number, Span, Text, Whole
-from tactus.scene.scale import AUTO, LARGEST
-
-# Parts that can be bought. Without one, a parallel code comes from behind an analogue multiplexer.
-CONVERTERS = tuple(PARTS)
-FRONT_END = KeyTable(
-    {
-        "counter_width": Key(
-            Whole(Span(1, 24)),
-            12,
-            "The number of bits of the counter that divides a scan into slots. A scan takes "
-            "2^`counter_width` clocks. Each slot needs two clocks or more. Without `rate_hz` a "
-            "scan must also take at least as many clocks as the network needs from frame to frame.",
-        ),
-        "sample_at": Key(
-            Number(Span(above=0, below=1)),
-            0.9,
-            "At which part of a slot the code is taken. By then the multiplexer must have settled.",
-        ),
-        "rate_hz": Key(
-            Number(),
-            0.0,
-            "The number of scans per second, with a pause after each scan: `200.0` is a scan every "
-            "320000 clocks of 64 MHz. It can be from one scan in 2^30 clocks to one in "
-            "2^`counter_width` clocks. With 0 each scan follows the previous one at once. The "
-            "nearest whole number of clocks is used. `make check`, `make vhdl`, `make verilog` and "
-            "the report state this number, and how far the rate is from the one asked for.",
-        ),
-        "converter": Key(
-            Text(CONVERTERS),
-            "",
-            "An analogue-to-digital converter on an SPI, with sensor n at its channel n: `mcp3208` "
-            "(12 bits), `mcp3208-5v` (the same with a supply of 5 V), `ads8344` or `ads8345` (16 "
-            "bits). See [converter_reader](boards.md#converters). The limits of its "
-            "timing are kept for a clock of `clock_mhz`, and `sample_at` is not used. Without this "
-            "key the hardware takes codes of Fix(14,13) from behind an analogue multiplexer.",
-        ),
-        "reference": Key(
-            Number(
-                Span(above=0, below=LARGEST),
-                "a number above 0: what the converter's reference is in the unit of the readings",
-                absent=True,
-            ),
-            0.0,
-            "The reference of the `converter` in the unit of the readings, such as `5.0` for "
-            "volts. It is not needed if the readings are signals of -1 to 1 or the converter's own "
-            "codes. See [what a converter reads](#what-a-converter-reads).",
-        ),
-    },
-    name="a section",
-)
+from tactus.scene.keys import KEYS
+from tactus.scene.scale import AUTO
 
 
 @dataclass(frozen=True)
 class FrontEnd:
-    """The front end that a scene describes: the keys of ``FRONT_END``, and the clock."""
+    """The front end that a scene describes: its keys, and the clock."""
 
     counter_width: int
     sample_at: float
@@ -151,7 +102,7 @@ def front_end(scene: dict[str, Any], path: Path) -> FrontEnd | None:
     if "front_end" not in scene:
         return None
     values, clock_mhz = scene["front_end"], scene["hardware"]["clock_mhz"]
-    own = FRONT_END.keys["sample_at"].default
+    own = KEYS["front_end"]["sample_at"]["default"]
     if values["converter"] and values["sample_at"] != own:
         raise InputError(
             f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
@@ -188,17 +139,6 @@ def _six_digits(rate: Fraction, rounding: str) -> str:
     return f"{Context(6, rounding).divide(Decimal(rate.numerator), Decimal(rate.denominator)):f}"
 
 
-UART = KeyTable(
-    {
-        "baud": Key(
-            Whole(),
-            1_000_000,
-            "The number of bits per second. A bit must take 4 clocks or more, and the rate must be "
-            "within 2 % of `clock_mhz` divided by a whole number.",
-        )
-    },
-    name="a section",
-)
 # What the UART of a computer tolerates, including the deviation of its own clock.
 TOLERANCE = Fraction(2, 100)
 
@@ -238,52 +178,13 @@ def uart(values: dict[str, Any], path: Path) -> Uart | None:
 
 RESULTS = ("load", "position", "width", "shape")
 
-# The forms in which a profile can leave for an oscilloscope, besides its codes.
-ANALOGUE = ("pulse_density",)
-VISUALISATION = KeyTable(
-    {
-        **{
-            name: Key(Text(), name, f"Which output is the {name}. The four outputs must differ.")
-            for name in RESULTS
-        },
-        "start": Key(Number(), 0.0, "The first position of the ramp. It must be -1 or more."),
-        "stop": Key(
-            Number(),
-            0.8,
-            "The last position of the ramp. It must lie a whole number of steps above `start`, and "
-            "below 1.",
-        ),
-        "step": Key(
-            Number(),
-            0.05,
-            "The distance of two positions. It must be larger than half an LSB, 2^-14, and the "
-            "ramp can have 1023 points at most.",
-        ),
-        "shape_threshold": Key(
-            Number(Span(-1, below=1)),
-            SHAPE_THRESHOLD,
-            "A load whose shape is above this value is drawn as a triangle, any other as a "
-            "rectangle.",
-        ),
-        "analogue": Key(
-            Text(ANALOGUE),
-            "",
-            "How the profile leaves for an oscilloscope. `pulse_density` adds two bits, `dac_x` "
-            "and `dac_y`, whose density of ones gives the point of the profile. Each bit needs a "
-            "low pass in front of the x-y input ([uart_instrument](blocks/uart_instrument.md)). It "
-            "needs a section [uart](#uart).",
-        ),
-    },
-    name="a section",
-)
-
 
 @dataclass(frozen=True)
 class Visualisation:
     """The profile that a scene describes.
 
     results: Indices of the scene's outputs that are load, position, width and shape.
-    analogue: One of ``ANALOGUE``, or empty.
+    analogue: The form in which it also leaves for an oscilloscope; empty for none.
     """
 
     load_profile: LoadProfile

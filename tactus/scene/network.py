@@ -1,4 +1,4 @@
-"""The section ``[network]`` of a scene: its keys, and the networks that it describes."""
+"""The section ``[network]`` of a scene: the networks that it describes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -6,11 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError, naming
-from golden.networks.arrangement import ARRANGEMENTS
-from golden.numbers.expression import ALLOWED
-from golden.trained.dense import ACTIVATIONS, DenseNetwork, network_of
+from golden.trained.dense import DenseNetwork, network_of
 from golden.trained.function import (
-    TABLE,
     Function,
     by_name,
     functions_of,
@@ -18,88 +15,10 @@ from golden.trained.function import (
     table_names,
 )
 from tactus.core.files import same_file
-from tactus.core.schema import (
-    Alternatives,
-    Each,
-    Key,
-    KeyTable,
-    List,
-    Map,
-    Number,
-    Span,
-    Text,
-    Whole,
-    written,
-)
+from tactus.core.schema import written
 from tactus.core.table import read_table
 from tactus.network_files.network_file import load_network
 from tactus.scene.data import beside
-
-# An engine's operand memory has so many words.
-MOST_HIDDEN = 1024
-_FUNCTION = (
-    "an expression of x, points { x = [...], y = [...] }, or the file of such, "
-    '{ points = "file.csv" }'
-)
-_PLACES = List(Number(finite=True), "two or more numbers", "a list of numbers", least=2)
-_POINTS = {
-    "x": Key(_PLACES, None, "Where the points lie, from left to right."),
-    "y": Key(_PLACES, None, "The value at each point."),
-    "points": Key(Text(some=True), None, "Instead: a CSV file with the columns x and y."),
-}
-NETWORK = KeyTable(
-    {
-        "arrangement": Key(
-            Text(ARRANGEMENTS),
-            meaning="`single` has one network for all outputs. `multiple` has one network for each "
-            "output. `cascade` has one for each output too, and each network also gets the outputs "
-            "of the networks before it.",
-        ),
-        "hidden": Key(
-            Each(Whole(Span(0, MOST_HIDDEN))),
-            0,
-            "The number of hidden nodes. 0 means as many as the network file has, in as many "
-            "layers; training then searches the range `training.hidden` and, where it is given, "
-            "`training.layers`. For `classes` without `training.layers` it trains a network "
-            "without a hidden layer. With `single`, a list has the number of nodes of "
-            "each hidden layer, such as `[32, 16]`: [networks of several "
-            "layers](networks.md#networks-of-several-layers).",
-        ),
-        "activations": Key(
-            List(
-                Text(tuple(ACTIVATIONS), begins=TABLE),
-                "a list with an activation for each hidden layer",
-                "a list of texts",
-            ),
-            [],
-            'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
-            "it, the activations are those of the network file, and training takes "
-            "`training.activation`. "
-            f'`"{TABLE}"` and a name of `functions` is [a function of your own]'
-            "(networks.md#functions-of-your-own).",
-        ),
-        "functions": Key(
-            Map(Alternatives((Text(some=True), KeyTable(_POINTS, said=_FUNCTION)), _FUNCTION)),
-            {},
-            "Functions of x that `activations`, or those of the network file, can name. Each is an "
-            "expression, points `{ x = , y = }`, or `{ points = }` with the name of a CSV file "
-            f"whose columns x and y are the points. An expression holds {ALLOWED}.",
-        ),
-        "quantised": Key(
-            Text(("exact", "nearest")),
-            "exact",
-            "Of a [quantised network](networks.md#quantised-networks): whether its codes must be "
-            "those of its file, or may come from the nearest weights that the engine holds.",
-        ),
-        "weights": Key(
-            Each(Text()),
-            meaning="The file of the trained networks, `.npz`. It can hold several, for `multiple` "
-            "and `cascade`; `rig.npz/load` is the one of the output `load` in it. Or a list of "
-            "files, `.npz`, `.mat` or `.onnx`, one for each output. `make train` writes them.",
-        ),
-    },
-    name="a section",
-)
 
 
 @dataclass(frozen=True)

@@ -11,41 +11,21 @@ from golden.numbers.precision import PRECISIONS
 from tactus.core.files import named_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import Key, KeyTable, read_checked
-from tactus.scene.data import DATA, check_data, check_window, data_paths, read_window
-from tactus.scene.front_end import FRONT_END, UART, VISUALISATION, front_end, uart, visualisation
-from tactus.scene.hardware import HARDWARE, check_activation, demand, design_options, price
+from tactus.core.schema import read_checked
+from tactus.scene.data import check_data, check_window, data_paths, read_window
+from tactus.scene.front_end import front_end, uart, visualisation
+from tactus.scene.hardware import check_activation, demand, design_options, price
+from tactus.scene.keys import SCENE
 from tactus.scene.labels import check_classes, output_names, read_labels
-from tactus.scene.network import NETWORK, members
+from tactus.scene.network import members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
-from tactus.scene.training import TRAINING, training
+from tactus.scene.training import training
 
 FOLDER = ROOT / "scenes"
 # The scenes that a command uses when it is given none: the instrument of the thesis, and the same
 # sensors and outputs as tactus builds them today.
 DEFAULT_SCENES = ("thesis", "digit")
-# The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
-# written. ``make pages`` writes it.
-EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
-SCENE = KeyTable(
-    {
-        "data": Key(DATA, {}, "Which recordings, sensors and outputs the scene has."),
-        "network": Key(
-            NETWORK, {}, "How many networks there are, of which size, and in which files."
-        ),
-        "hardware": Key(HARDWARE, {}, "In which form of hardware the networks are built."),
-        "training": Key(TRAINING, {}, "How the networks are trained."),
-        "front_end": Key(
-            FRONT_END,
-            None,
-            "How the sensors are read. Without this section samples arrive as a stream.",
-        ),
-        "visualisation": Key(VISUALISATION, None, "Adds a profile of the load to the outputs."),
-        "uart": Key(UART, None, "Adds a serial line to a computer."),
-    },
-    noun="section ",
-)
 
 
 def scene_path(name: str) -> Path:

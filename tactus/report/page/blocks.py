@@ -25,12 +25,12 @@ from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
+from golden.sensing.converter_parts import PARTS
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import markdown
 from tactus.report.page.sign_off import sheet
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.scene.front_end import CONVERTERS
-from tactus.scene.hardware import HARDWARE
+from tactus.scene.keys import KEYS
 from tactus.synth.budget import Cells, read_budget, shares
 from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, KINDS, flat_name
 from tactus.synth.timing import read_timing
@@ -161,7 +161,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
         if isinstance(top, Scanned):
             yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
         if scene.front_end and isinstance(top, Instrument):
-            for part in CONVERTERS:
+            for part in PARTS:
                 front = replace(scene.front_end, converter=part, counter_width=WIDE)
                 reader = front.converter_reader(top.readout)
                 yield scene.precision.name, ConverterInstrument(reader, readout=top.readout)
@@ -179,7 +179,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 for options in (design.activation_choices and choices) or [{}]:
                     yield precision.name, design.of([mlp], Settings(precision, name, options))
         for key in design.options:
-            for choice in (2,) if key == "lanes" else HARDWARE.keys[key].kind.choices:
+            for choice in (2,) if key == "lanes" else KEYS["hardware"][key].get("enum", ()):
                 precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
                 settings = Settings(precision, name, options={key: choice})
                 yield precision.name, design.of([mlp], settings)

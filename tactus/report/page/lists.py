@@ -31,7 +31,7 @@ from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import markdown
 from tactus.report.page.headline import REBUILT, SHOWN, against_run_time, headline
 from tactus.scene import load_scene
-from tactus.scene.reading import EDITOR_SCHEMA, SCENE
+from tactus.scene.keys import EDITOR_SCHEMA, SCENE
 
 COMMAND = "python -m tactus.report.page.lists"
 # Each wish for the project, and the page that shows the result.

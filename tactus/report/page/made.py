@@ -17,7 +17,7 @@ from golden.sensing.converter_parts import PARTS
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import Report, read_record, record_path
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import KeyTable, key_rows
+from tactus.core.schema import key_rows
 from tactus.errors import decisions_of, held_out_or_all
 from tactus.report.activations import activation_table, plot, plot_file
 from tactus.report.designs import designs, picture_of, refused_lines
@@ -28,7 +28,7 @@ from tactus.report.page import blocks, sign_off
 from tactus.report.page.headline import headline
 from tactus.scene import Scene, class_names, load_scene, scene_names
 from tactus.scene.building import compared
-from tactus.scene.reading import SCENE
+from tactus.scene.keys import SCENE
 from tactus.sizing.candidates import Refused, Sized
 from tactus.sizing.model import held_out
 from tactus.synth.budget import read_budget
@@ -74,9 +74,7 @@ def classes() -> str:
 
 
 def keys(section: str) -> str:
-    table = SCENE.keys[section].kind
-    assert isinstance(table, KeyTable), section
-    return key_rows(table)
+    return key_rows(SCENE["properties"][section])
 
 
 def floors() -> str:
@@ -218,7 +216,7 @@ def _cells(report: Report, clocks: int) -> list[str]:
 
 
 MADE: dict[str, Callable[[], str]] = {
-    **{name: partial(keys, name) for name in SCENE.keys},
+    **{name: partial(keys, name) for name in SCENE["properties"]},
     "scenes": scenes,
     "classes": classes,
     "headline": lambda: as_page(headline()),
