@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from tactus.core.cli import run, stop_if_dry_run, words
-from tactus.verify.benches.places import check_name
+from tactus.verify.benches.blocks import check_name
 
 CORES = ("-n", "logical", "--dist", "worksteal")
 

@@ -32,7 +32,7 @@ from tactus.core.finding import faults
 from tactus.core.fingerprint import fingerprint
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
-from tactus.verify.benches.places import block_names
+from tactus.verify.benches.blocks import block_names
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.benches.simulate import analyse
 from tactus.verify.benches.written import write_scene

@@ -26,10 +26,8 @@ from tactus.core.files import check_writable, replace_file, replace_files, repla
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.core.progress import PAUSE, Progress, stage
-from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
+from tactus.scene import Scene, load_scene
 from tactus.verify.benches import kept_results, results
-from tactus.verify.benches.collected import BENCHES, CASES_OF
-from tactus.verify.benches.places import blocks_in, places
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.mutate import score
@@ -190,26 +188,6 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
     assert (everything["kept"], everything["left"]) == (len(asked), 0)
     assert len(benches.ran) == left
     assert results.stored_results(benches.scene) == everything | {"kept": len(benches.planned)}
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-def test_every_block_is_found_without_a_scene() -> None:
-    """Default scenes come first, then other shipped scenes, then the cases of its bench."""
-    blocks_of_scenes = {name: blocks_in(load_scene(name)) for name in scene_names()}
-    for block in BENCHES:
-        found = places(None, block)
-        assert all(block in blocks_in(place.scene) for place in found)
-        shipped = [name for name, blocks in blocks_of_scenes.items() if block in blocks]
-        default = [name for name in DEFAULT_SCENES if name in shipped]
-        names = [place.scene.name for place in found]
-        assert names == (default or shipped[:1] or CASES_OF[block][:1])
-        kind = "scene" if shipped else "case"
-        assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
-
-
-def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
-    (place,) = places("digit-single", "hybrid")
-    assert (place.scene.name, place.why) == ("digit-single", "")
 
 
 ANSWER = {"compared": 7, "facts": [1.5, "word"]}

@@ -138,7 +138,7 @@ def _offered(
     names: Sequence[str] = ()
     if argument.name == "BLOCK":
         # Only here, since it imports numpy.
-        from tactus.verify.benches.places import block_names
+        from tactus.verify.benches.blocks import block_names
 
         names = block_names()
     elif argument.name in SCENES:

@@ -166,12 +166,12 @@ COMMANDS = (
     Command(
         "sim",
         "Runs the benches of one block, or of every block of a scene. Without SCENE= a block is "
-        "looked for in scenes thesis and digit, then in the other shipped scenes, then in the "
-        "cases of its bench. SIM= names one simulator; without it both run. SEED= changes the "
-        "random stimuli, FRAMES= says how many random frames there are, and how many recorded ones "
-        "are played at least; WAVES=1 records waveforms. NETLIST= runs the benches on the mapped "
-        "cells of a family, of each family (1), or on registers that are unknown until they are "
-        "written; RECORD=1 then records the result.",
+        "taken in the first case of its bench, and every block in scenes thesis and digit. SIM= "
+        "names one simulator; without it both run. SEED= changes the random stimuli, FRAMES= says "
+        "how many random frames there are, and how many recorded ones are played at least; "
+        "WAVES=1 records waveforms. NETLIST= runs the benches on the mapped cells of a family, of "
+        "each family (1), or on registers that are unknown until they are written; RECORD=1 then "
+        "records the result.",
         (
             OPTIONAL_SCENE,
             BLOCK,

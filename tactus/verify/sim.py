@@ -1,8 +1,7 @@
 """``make sim``: the benches of one block, or of every block of a scene.
 
-Without a scene the benches of the default scenes are run. A block that these do not contain is
-searched elsewhere (``tactus/verify/benches/places.py``), and a line says where it was found.
-Benches run on the exported VHDL and Verilog, or on the netlist that ``--netlist`` names
+Without a scene a block is taken in the first case of its bench, and all blocks in the default
+scenes. Benches run on the exported VHDL and Verilog, or on the netlist that ``--netlist`` names
 (``tactus/verify/sign_off/netlist.py``).
 """
 
@@ -19,8 +18,10 @@ from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
+from tactus.scene import DEFAULT_SCENES, Scene, load_scene
+from tactus.verify.benches.blocks import check_block
+from tactus.verify.benches.collected import CASES_OF, case_scene
 from tactus.verify.benches.kept_results import run_and_keep
-from tactus.verify.benches.places import Place, places
 from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
 from tactus.verify.sign_off.netlist import (
@@ -30,6 +31,7 @@ from tactus.verify.sign_off.netlist import (
     on_cells_of,
     record,
 )
+from tactus.verify.sign_off.record import case_line, chosen_blocks
 
 
 def conclude(outcomes: list[Outcome]) -> int:
@@ -37,6 +39,20 @@ def conclude(outcomes: list[Outcome]) -> int:
     compared = sum(o.compared for o in outcomes)
     print(f"{len(outcomes)} benches, {failed} failed, {compared} results compared")
     return 1 if failed else 0
+
+
+def scenes(named: str | None, block: str | None, build: Path) -> list[Scene]:
+    """Where benches run; the scene of a case is written below ``build``."""
+    if named is not None:
+        scene = load_scene(named)
+        check_block(scene, block)
+        return [scene]
+    if block is not None:
+        chosen_blocks(block)
+        print(case_line(block), flush=True)
+        return [case_scene(CASES_OF[block][0], build)]
+    print(f"each block: in the default scenes, {' and '.join(DEFAULT_SCENES)}", flush=True)
+    return [load_scene(name) for name in DEFAULT_SCENES]
 
 
 def main() -> int:
@@ -52,29 +68,27 @@ def main() -> int:
     with TemporaryDirectory() as folder:
         # A dry run must not leave the scene of a case behind.
         build = Path(folder) if dry() else BUILD
-        found = places(arguments.scene, arguments.block, build)
+        found = scenes(arguments.scene, arguments.block, build)
         count = 0
-        for place in found:
-            if place.why:
-                print(place.why, flush=True)
-            design = place.scene.twin()
+        for scene in found:
+            design = scene.twin()
             asked = [p for p in walk(design) if arguments.block in (None, p.block)]
             entities = {p.entity for p in asked if not p.part_of}
             count += len(mapped(design, entities, families or simulators))
         stop_if_dry_run(f"export, then run {count} benches on {', '.join(families or simulators)}")
-    with held(BUILD / place.scene.name for place in found):
+    with held(BUILD / scene.name for scene in found):
         return simulate(found, list(simulators), families, arguments)
 
 
 def simulate(
-    found: list[Place],
+    found: list[Scene],
     simulators: list[str],
     families: list[str],
     arguments: argparse.Namespace,
 ) -> int:
     jobs: list[Job] = []
-    for place in found:
-        with stage(f"{place.scene.name}: exporting, and compiling"):
+    for scene in found:
+        with stage(f"{scene.name}: exporting, and compiling"):
             planned = [
                 replace(
                     job,
@@ -82,9 +96,9 @@ def simulate(
                     waves=arguments.waves,
                     frames=arguments.frames or FRAMES,
                 )
-                for job in plan(place.scene, simulators, arguments.block)
+                for job in plan(scene, simulators, arguments.block)
             ]
-            jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
+            jobs += on_cells_of(scene.twin(), planned, families) if families else planned
     outcomes = run_shown("simulating", jobs, run_and_keep)
     if arguments.waves:
         for outcome in outcomes:

@@ -20,7 +20,7 @@ from tactus.synth.cells import DEPTH, FAMILIES, KINDS
 from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
 from tactus.synth.tools import digest
 from tactus.train.split import unused_text
-from tactus.verify.benches.places import block_names
+from tactus.verify.benches.blocks import block_names
 from tactus.verify.benches.runner import export, scene_variable
 
 

@@ -28,7 +28,7 @@ from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
-from tactus.verify.benches.places import check_block
+from tactus.verify.benches.blocks import check_block
 from tactus.verify.benches.simulate import Run, analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS, check_simulator, language
 from tb.common.bench import CONFIGURATION

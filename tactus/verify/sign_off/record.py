@@ -28,8 +28,8 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.scene import load_scene
 from tactus.synth.tools import digest
+from tactus.verify.benches.blocks import check_name
 from tactus.verify.benches.collected import BENCHES, CASES_OF, case_scene
-from tactus.verify.benches.places import check_name
 from tactus.verify.benches.runner import Job, Outcome, jobs, plan, prepare
 
 # Proofs, mutants and netlists are of the Verilog.

@@ -12,7 +12,7 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import processor_line, processor_minutes
 from tactus.scene import load_scene
-from tactus.verify.benches.places import check_block
+from tactus.verify.benches.blocks import check_block
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.mutate.score import SEED, score
 from tactus.verify.sign_off.record import (
