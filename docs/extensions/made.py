@@ -5,17 +5,21 @@ of a block's page follow its ports, clocks, cells and sign-off.
 """
 
 import re
+import warnings
 from pathlib import Path
 
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
+from golden.activation.pade import UnsettledWarning
 from tactus.core.commands import CLOSING, COMMANDS
 from tactus.report.measure.table import markdown
 from tactus.report.page.blocks import sections
 from tactus.report.page.made import MARK, made
 
 FOLDER = "blocks/"
+# Some cases of benches provoke it.
+warnings.simplefilter("ignore", UnsettledWarning)
 
 
 def commands() -> str:

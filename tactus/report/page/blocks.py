@@ -1,58 +1,35 @@
 """The table of blocks, and the sections of each block's page, which the site shows.
 
-Formats and clocks are those of every scene, and of one network in every design, activation and
-precision.
+Formats and clocks are those of every scene, and of every case of a bench.
 """
 
 import importlib
 import inspect
-import warnings
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import cache
+from itertools import chain
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from golden.activation.pade import UnsettledWarning
-from golden.activation.schemes import SCHEMES
 from golden.common.block import Block, walk
 from golden.common.port import Port, Unsigned
-from golden.instruments.converter_instrument import ConverterInstrument
-from golden.instruments.instrument import Instrument, Scanned
-from golden.networks.axis_network import AxisNetwork
-from golden.networks.design import AtOnce, Settings
-from golden.networks.designs import DESIGNS
-from golden.networks.engine import Engine
-from golden.networks.hybrid import Hybrid
-from golden.networks.network import Network
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
-from golden.sensing.converter_parts import PARTS
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import markdown
 from tactus.report.page.sign_off import sheet
-from tactus.scene import Scene, load_scene, scene_names
-from tactus.scene.keys import KEYS
-from tactus.synth.budget import Cells, read_budget, shares
+from tactus.scene import Scene
+from tactus.synth.budget import Cells, is_recorded, read_budget, shares
 from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, KINDS, flat_name
 from tactus.synth.timing import read_timing
+from tactus.verify.benches.collected import CASES, case_scene
 
-# These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.
-COMPARED = [
-    *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
-    *("digit-fast-clock", "digit-fast-full", "digit-fast-ternary"),
-    *("digit-lanes2", "digit-lanes4", "digits-lanes8"),
-    *("digit-single-engine", "digit-single-fast"),
-    *("digit-sums", "digit-tables", "wine-tables"),
-    *("swing-single-thesis", "swing-multiple-thesis", "swing-cascade-thesis", "thesis-larger"),
-]
 COLUMNS = [*KINDS, DEPTH]
 
 
 def recorded() -> Iterator[tuple[Scene, Cells]]:
     """Every scene that has a budget, with its budget."""
-    names = [*scene_names(), *(f"comparison/{n}" for n in COMPARED)]
-    for name in names:
-        scene = load_scene(name)
-        yield scene, read_budget(scene.path)
+    return ((s, read_budget(s.path)) for s in scenes() if is_recorded(s.path))
 
 
 def block_tables() -> dict[str, str]:
@@ -118,13 +95,6 @@ def scene_table() -> str:
     return markdown(heads, rows)
 
 
-# This is a 4:16:4 network for all outputs, whose weights suit both precisions.
-EXAMPLE = "digit-single-thesis"
-LEARNED = "comparison/digit-tables"
-# This is built with an engine that learns.
-LEARNING = "digit"
-# A counter of so many bits makes a scan long enough for every converter.
-WIDE = 13
 AREAS = (
     "activation",
     "layers",
@@ -140,78 +110,15 @@ AREAS = (
 Twins = dict[str, list[Block]]
 
 
-def shipped() -> Iterator[tuple[str, Network]]:
-    """The precision and the design of every scene, and of variants of it.
-
-    The networks of an engine are also folded, if they have one hidden layer of tanh. A design that
-    gives all outputs at once also finds the largest, and so does a scene with a front end, which
-    also gets every converter. At the end comes one network in every existing form.
-    """
-    for scene in scenes():
-        top = scene.twin()
-        yield scene.precision.name, top
-        foldable = all(network.plain for network in scene.networks())
-        if DESIGNS[scene.design] is Engine and foldable:
-            yield (
-                scene.precision.name,
-                replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
-            )
-        if isinstance(top, AtOnce):
-            yield scene.precision.name, replace(top, decides=True)
-        if isinstance(top, Scanned):
-            yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
-        if scene.front_end and isinstance(top, Instrument):
-            for part in PARTS:
-                front = replace(scene.front_end, converter=part, counter_width=WIDE)
-                reader = front.converter_reader(top.readout)
-                yield scene.precision.name, ConverterInstrument(reader, readout=top.readout)
-    (mlp,) = load_scene(EXAMPLE).mlps()
-    for design in (one for one in DESIGNS.values() if not one.learned_functions):
-        for name, scheme in SCHEMES.items():
-            if name not in (design.known_activations or SCHEMES):
-                continue
-            if scheme.half_codes and not design.half_codes:
-                continue
-            choices = [{o: c} for o, about in scheme.options.items() for c in about.choices]
-            for precision in scheme.precisions:
-                if precision.name not in design.precisions:
-                    continue
-                for options in (design.activation_choices and choices) or [{}]:
-                    yield precision.name, design.of([mlp], Settings(precision, name, options))
-        for key in design.options:
-            for choice in (2,) if key == "lanes" else KEYS["hardware"][key].get("enum", ()):
-                precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
-                settings = Settings(precision, name, options={key: choice})
-                yield precision.name, design.of([mlp], settings)
-        if "reload" in design.options:
-            precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
-            settings = Settings(precision, name, options={"reload": True})
-            yield precision.name, design.of([mlp], settings)
-    # No shipped scene has learned functions in small tables.
-    learned = load_scene(LEARNED)
-    for decides in (False, True):
-        graph = learned.twin()
-        assert isinstance(graph, AtOnce)
-        yield learned.precision.name, replace(graph, decides=decides)
-    # Nor does an engine learn by a stream, without a line.
-    learning = replace(load_scene(LEARNING), learning="lms")
-    yield learning.precision.name, learning.twin()
-
-
-def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
-    """For each block its twins in the designs, the innermost blocks first."""
+@cache
+def twins_by_block() -> dict[str, Twins]:
+    """For each block its twins in every scene and every case of a bench, the innermost first."""
     found: dict[str, Twins] = {}
-    for precision, design in designs:
-        tops = [design]
-        # Any network can have this interface, but no shipped scene has it.
-        if design.area == "networks" and design.stream == "serial" and not design.image:
-            tops.append(AxisNetwork(design))
-            if design.outputs > 1:
-                tops.append(AxisNetwork(design, decides=True))
-        for top in tops:
-            for block in walk(top):
+    with TemporaryDirectory() as folder:
+        for scene in chain(scenes(), (case_scene(name, Path(folder)) for name in CASES)):
+            for block in walk(scene.twin()):
                 twins = found.setdefault(block.block, {name: [] for name in PRECISIONS})
-                twins[precision].append(block)
+                twins[scene.precision.name].append(block)
     return found
 
 
@@ -286,16 +193,15 @@ def purpose(twins: Twins) -> str:
 
 def block_table() -> str:
     lines = [
-        "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
-        "an engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",
-        "design, activation and precision. Each datasheet says what they depend on. The interval",
-        "is the least number of clocks from one input to the next, or for a network from one",
-        "frame to the next.",
+        "Latency and interval are in clocks. They are ranges over the shipped scenes, the scenes",
+        "for comparison and the cases of the benches. Each datasheet says what they depend on. The",
+        "interval is the least number of clocks from one input to the next, or for a network from",
+        "one frame to the next.",
         "",
     ]
     rows = []
     for area in AREAS:
-        for name, twins in _published().items():
+        for name, twins in twins_by_block().items():
             twin = next(block for blocks in twins.values() for block in blocks)
             if twin.area == area and not twin.part_of:
                 row = [
@@ -309,14 +215,6 @@ def block_table() -> str:
     return "\n".join(
         [*lines, markdown("block | area | what it does | thesis | latency | interval", rows)]
     )
-
-
-@cache
-def _published() -> dict[str, Twins]:
-    with warnings.catch_warnings():
-        # A user who runs a scene sees this warning. Here it would only disturb.
-        warnings.simplefilter("ignore", UnsettledWarning)
-        return blocks_of(shipped())
 
 
 @cache
@@ -334,6 +232,6 @@ def sections() -> dict[str, str]:
             )
             if text
         )
-        for name, twins in _published().items()
+        for name, twins in twins_by_block().items()
         if not next(block for blocks in twins.values() for block in blocks).part_of
     }
