@@ -103,13 +103,13 @@ def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) 
     board, path, said = Board(scene, scene), tmp_path / "all.csv", []
     with GrowingCsv(path, [*HEAD, *board.columns]) as file:
         monitor = Monitor(board, said.append, file)
-        listen(monitor, TwinBoard(scene), lambda: monitor.decoder.tally.frames >= 300)
+        listen(monitor, TwinBoard(scene), lambda: monitor.decoder.tally["frames"] >= 300)
         state = monitor.state()
     tally = monitor.decoder.tally
-    assert (tally.missed, tally.failed, tally.skipped, said) == (0, 0, 0, [])
+    assert (tally["missed"], tally["failed"], tally["skipped"], said) == (0, 0, 0, [])
     with path.open(newline="") as handle:
         rows = list(csv.DictReader(handle))
-    assert len(rows) == file.rows == tally.frames
+    assert len(rows) == file.rows == tally["frames"]
     codes = scene.vectors().codes
     outputs = scene.twin().core.process(codes)
     first = int(rows[0]["computed"])
@@ -135,18 +135,18 @@ def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene, tmp_path: P
     with Cable(TwinBoard(scene, 500.0), tmp_path) as cable, SerialLine(cable.port, BAUD) as line:
         monitor = Monitor(Board(scene, scene), said.append)
         tally = monitor.decoder.tally
-        listen(monitor, line, lambda: tally.frames > 20)
+        listen(monitor, line, lambda: tally["frames"] > 20)
         cable.send(b"noise" * 9)
         listen(monitor, line, lambda: any("are part of no packet" in text for text in said))
         cable.cut()
         listen(monitor, line, lambda: monitor.state()["line"] == "cut")
-        before = tally.frames
+        before = tally["frames"]
         cable.mend()
-        listen(monitor, line, lambda: tally.frames > before + 20)
+        listen(monitor, line, lambda: tally["frames"] > before + 20)
         # On a busy machine the line may pause for a moment.
         listen(monitor, line, lambda: monitor.state()["line"] == "packets")
-    assert tally.missed == 0
-    assert tally.skipped >= 45
+    assert tally["missed"] == 0
+    assert tally["skipped"] >= 45
     texts = [text.partition(" ")[2] for text in said]
     assert texts == [
         "45 bytes are part of no packet: garbage on the line, or another baud rate",
@@ -314,7 +314,7 @@ def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Pa
         Server("t", (monitor := Monitor(Board(scene, scene), print)).state) as server,
     ):
         simulated.place({"load": 0.9, "position": 0.45, "width": 0.9, "shape": 0.45})
-        listen(monitor, line, lambda: monitor.decoder.tally.frames > 300)
+        listen(monitor, line, lambda: monitor.decoder.tally["frames"] > 300)
         page = browse(server.address, tmp_path)
         state = monitor.state()
         assert "packets come" in plain(page, "line")

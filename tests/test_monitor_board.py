@@ -75,6 +75,20 @@ def test_a_line_that_is_cut_is_told(hardware: Scene, tmp_path: Path) -> None:
             cable.mend()
 
 
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [(b"", "is the bitstream loaded, and are TX and RX crossed"), (b"x" * 99, "bytes are part of")],
+)
+def test_a_board_that_sends_no_packet_is_told(
+    hardware: Scene, monkeypatch, data: bytes, said: str
+) -> None:
+    board, line = Board(hardware, hardware), TwinBoard(hardware)
+    monkeypatch.setattr(line, "read", lambda: data)
+    monkeypatch.setattr(line, "patience", 0.01)
+    with pytest.raises(InputError, match=f"PORT=twin: no packet for 0.01 s: .*{said}"):
+        loading.load(line, board)
+
+
 def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
     other = replace(hardware, sensors=("sensor2", "sensor1", "sensor3", "sensor4"))
     with pytest.raises(InputError, match=r"data.sensors: got sensor2, sensor1.*expected sensor1,"):
@@ -176,9 +190,8 @@ def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, 
     names, placements = recording.labels_of(listed)
     readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
     line = TwinBoard(hardware)
-    ask = recording.simulated_ask(line, placements, names)
     with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
-        source = recording.listed(names, placements, ask)
+        source = recording.touched(names, placements, line)
         recording.record(line, Board(hardware, hardware), source, file, 2, print)
     assert file.rows == len(rows)
     # The load in grams, which is outside of the codes.
@@ -257,7 +270,7 @@ def test_a_recording_has_the_words_of_a_prediction(path: Path, argmax: str) -> N
     assert board.layout.decides == (argmax == "true")
     with GrowingCsv(Path("all.csv"), csv_columns(board)) as file:
         monitor = Monitor(board, print, file)
-        monitor.listen(TwinBoard(board.scene), lambda: monitor.decoder.tally.frames >= ROWS)
+        monitor.listen(TwinBoard(board.scene), lambda: monitor.decoder.tally["frames"] >= ROWS)
     call("predict", path, "hand.csv", "out.csv")
     seen, known = rows_of(Path("all.csv")), rows_of(Path("out.csv"))
     assert len({row["gesture_predicted"] for row in known}) > 1

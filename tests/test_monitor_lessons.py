@@ -336,22 +336,20 @@ def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
 
 
 WRONG = {
-    "a list": ([], "lesson: got [], expected an object with known, theta or learn"),
-    "nothing": ({}, "lesson: got {}, expected an object with known, theta or learn"),
-    "another key": ({"lern": True}, "lesson: got 'lern', expected an object with known, theta"),
-    "no truth": ({"learn": "yes"}, "learn: got 'yes', expected true or false"),
-    "missing": ({"known": {"load": 1}}, "load: got '1', expected a number from -1.0000 to 0.9999"),
-    "another one": ({"known": KNOWN | {"lode": 1}}, "lode: got an output that is not there, expe"),
+    "missing": (
+        {"known": {"load": "0"}},
+        "position: got nothing, expected a number from -1.0000",
+    ),
+    "no file": ({"theta": None}, "theta: got None, expected 8 whole numbers from -8192 to 8191"),
     "empty": ({"known": KNOWN | {"width": " "}}, "width: got nothing, expected a number from -1.0"),
     "no number": ({"known": KNOWN | {"load": "nan"}}, "load: got 'nan', expected a number from -1"),
-    "both": (
-        {"known": KNOWN, "theta": [0] * 8},
-        "lesson: got known and theta, expected one of them",
-    ),
     "no theta": ({"theta": "0"}, "theta: got '0', expected 8 whole numbers from -8192 to 8191"),
     "short": ({"theta": [1] * 7}, "theta: got 7 values, [1, 1, 1, 1, 1, 1, 1], expected 8 whole"),
     "beyond": ({"theta": [8192] * 8}, "theta: got 8 values, [8192, 8192, 8192, 8192, 8192, 8192, "),
-    "too far": ({"known": KNOWN | {"load": -1.0001}}, "load: got '-1.0001', expected a number fr"),
+    "too far": (
+        {"known": KNOWN | {"load": "-1.0001"}},
+        "load: got '-1.0001', expected a number f",
+    ),
 }
 
 

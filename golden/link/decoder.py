@@ -1,9 +1,6 @@
 """Turns the bytes of a serial line into frames, and counts what is wrong with other bytes."""
 
-from __future__ import annotations
-
 from collections import Counter
-from dataclasses import dataclass, field, replace
 
 from golden.link.packets import (
     CHECK_BYTES,
@@ -26,53 +23,22 @@ _KIND = 0x0F
 _SURE = 2
 
 
-@dataclass
-class Tally:
-    """Counts of what came over a line.
+# What can be wrong with the bytes of a line. Those at its start are not counted as skipped, because
+# they may be the end of a packet that began before the line was opened; those of a packet that
+# failed are. A gap of 256 packets is not noticed.
+FAULTS = {
+    "skipped": "{} bytes are part of no packet: garbage on the line, or another baud rate",
+    "failed": "{} packets are damaged: their check fails",
+    "missed": "{} packets are missing: the numbers jump",
+}
+FRAMES = "frames"
 
-    frames: Packets of this layout whose check is right.
-    skipped: Bytes that belong to no packet. The bytes at the start of a line are not counted,
-        because they may be the end of a packet that began before the line was opened.
-    failed: Packets whose check failed. Their bytes are also counted as skipped.
-    missed: Packets that are missing according to the numbers of the others. A gap of 256 is not
-        noticed.
-    others: Sound packets of another version or length, by (version, bytes of the payload).
-    """
 
-    frames: int = 0
-    skipped: int = 0
-    failed: int = 0
-    missed: int = 0
-    others: Counter[tuple[int, int]] = field(default_factory=Counter)
-
-    def copy(self) -> Tally:
-        return replace(self, others=self.others.copy())
-
-    def faults(self, before: Tally, layout: FrameLayout) -> dict[str, str]:
-        """A line for each kind of fault that has occurred since the counts ``before``."""
-        found = {}
-        if count := self.skipped - before.skipped:
-            found["skipped"] = (
-                f"{count} bytes are part of no packet: garbage on the line, or another baud rate"
-            )
-        if count := self.failed - before.failed:
-            found["failed"] = f"{count} packets are damaged: their check fails"
-        if count := self.missed - before.missed:
-            found["missed"] = f"{count} packets are missing: the numbers jump"
-        for (version, length), total in self.others.items():
-            if total < _SURE or total == before.others[version, length]:
-                continue
-            if version != VERSION:
-                found[f"version {version}"] = (
-                    f"packets are of version {version} of the protocol, expected {VERSION}: the "
-                    "board and tactus are of different versions"
-                )
-            else:
-                found[f"length {length}"] = (
-                    f"packets have a payload of {length} bytes, expected {layout.payload_bytes}: "
-                    "the board runs the hardware of another scene"
-                )
-        return found
+def fault(kind: str, count: int, before: int = 0) -> str:
+    """The text for a count of ``Decoder.tally`` that was told at ``before``; empty for no fault."""
+    if kind == FRAMES or count == before:
+        return ""
+    return FAULTS[kind].format(count - before) if kind in FAULTS else kind * (count >= _SURE)
 
 
 class Decoder:
@@ -88,7 +54,7 @@ class Decoder:
 
     def __init__(self, layout: FrameLayout) -> None:
         self.layout = layout
-        self.tally = Tally()
+        self.tally: Counter[str] = Counter()
         self._kept = bytearray()
         self._number: int | None = None
         # Whoever opens a line first hears the end of a packet, which is no fault.
@@ -115,7 +81,7 @@ class Decoder:
                 break
             # The check over bytes and their own check is 0.
             elif check_of(bytes(kept[at + 1 : end])):
-                tally.failed += self._own(kind, length)
+                tally["failed"] += self._own(kind, length)
                 self._skip(1)
                 end = at + 1
             elif self._own(kind, length):
@@ -123,7 +89,7 @@ class Decoder:
                 frames.append(self.layout.from_payload(number, payload))
                 self._count(number)
             else:
-                tally.others[kind >> 4, length] += 1
+                tally[self._other(kind >> 4, length)] += 1
             at = end
         del kept[:at]
         return frames
@@ -138,14 +104,25 @@ class Decoder:
     def _own(self, kind: int, length: int) -> bool:
         return kind == kind_byte(FRAME) and length == self.layout.payload_bytes
 
+    def _other(self, version: int, length: int) -> str:
+        if version != VERSION:
+            return (
+                f"packets are of version {version} of the protocol, expected {VERSION}: the board "
+                "and tactus are of different versions"
+            )
+        return (
+            f"packets have a payload of {length} bytes, expected {self.layout.payload_bytes}: the "
+            "board runs the hardware of another scene"
+        )
+
     def _count(self, number: int) -> None:
         tally = self.tally
-        tally.frames += 1
+        tally[FRAMES] += 1
         if self._number is not None:
-            tally.missed += (number - self._number - 1) % _NUMBERS
+            tally["missed"] += (number - self._number - 1) % _NUMBERS
         self._number, self._joining = number, 0
 
     def _skip(self, count: int) -> None:
         unheard = min(count, self._joining)
         self._joining -= unheard
-        self.tally.skipped += count - unheard
+        self.tally["skipped"] += count - unheard

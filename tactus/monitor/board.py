@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from golden.input_error import InputError, suggest
+from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.layers.argmax import Argmax
 from golden.link.packets import FLAGS, Frame, FrameLayout
@@ -109,38 +109,31 @@ class Board:
         codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
 
-    def known_codes(self, values: Mapping[str, object]) -> list[int]:
-        """The codes of known outputs, which are given in their units as numbers or as texts."""
+    def known_codes(self, values: Mapping[str, str]) -> list[int]:
+        """The codes of known outputs, which are given in their units as texts."""
         outputs = self.scene.outputs
         if len(outputs) < self.layout.outputs:
             raise InputError(
                 f"{self.scene.path}: data.outputs: got {len(outputs)}, expected "
                 f"{self.layout.outputs}, those that {self.hardware.path} learns from"
             )
-        for name in values:
-            if name not in outputs:
-                raise InputError(
-                    f"{name}: got an output that is not there, expected {', '.join(outputs)}"
-                    f"{suggest(name, outputs)}"
-                )
-        return [self._known_code(name, values.get(name, "")) for name in outputs]
+        return [self._known_code(name, values.get(name, "").strip()) for name in outputs]
 
-    def _known_code(self, name: str, value: object) -> int:
+    def _known_code(self, name: str, text: str) -> int:
         scales, places = self.scene.scales([name]), self.decimals[self.columns.index(name)]
-        low, high = readings(SIGNAL.to_real([[SIGNAL.low], [SIGNAL.high]]), scales)[:, 0]
-        wanted = f"expected a number from {low:.{places}f} to {high:.{places}f}"
-        text = str(value).strip()
         try:
-            number = math.nan if isinstance(value, bool) else float(text)
+            number = float(text)
         except ValueError:
             number = math.nan
-        code, outside = 0, 1
         if math.isfinite(number):
-            codes, outside = SIGNAL.quantise(signals(np.array([number]), scales))
-            code = int(codes[0])
-        if outside:
-            raise InputError(f"{name}: got {repr(text) if text else 'nothing'}, {wanted}")
-        return code
+            (code,), outside = SIGNAL.quantise(signals(np.array([number]), scales))
+            if not outside:
+                return int(code)
+        low, high = readings(SIGNAL.to_real([[SIGNAL.low], [SIGNAL.high]]), scales)[:, 0]
+        raise InputError(
+            f"{name}: got {repr(text) if text else 'nothing'}, expected a number from "
+            f"{low:.{places}f} to {high:.{places}f}"
+        )
 
     def millimetres(self, name: str) -> float:
         """How many millimetres one unit of an output is; 0 if the output is no length."""

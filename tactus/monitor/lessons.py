@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
@@ -26,7 +26,6 @@ from tactus.scene.disturbance import zero_signals
 from tactus.scene.metrics import error_scale
 from tactus.scene.scale import readings, signals
 
-KEYS = ("known", "learn", "theta")
 # A correction beyond so many standard deviations of the expected drift is hardly a drift.
 MOST_DRIFT = 3.0
 # The code of an element of theta that is 1.
@@ -93,7 +92,7 @@ class Lessons:
         # How many placements were shown when ``make recalibrate`` had found this theta.
         self._found: tuple[int, list[int]] = (0, [])
 
-    def told(self, element: tuple[int, int]) -> None:
+    def told(self, element: tuple[int, ...]) -> None:
         """Note an element of theta: its number and its code."""
         number, code = element
         self._theta[number] = code
@@ -102,42 +101,27 @@ class Lessons:
         """What the board told of theta may be that of another board, or of before a reset."""
         self._theta = {}
 
-    def ask(self, request: object, learning: bool) -> None:
+    def ask(self, request: Mapping[str, Any], learning: bool) -> None:
         """Take a request for a lesson, which then waits to be sent.
 
-        request: What came: a dict. It may have the values of all outputs under ``known``, or all
-            elements of theta under ``theta``, and whether the board is to learn from now on under
-            ``learn``.
+        request: What the page sends. It may have the values of all outputs as texts under
+            ``known``, or what a file has as theta under ``theta``, and whether the board is to
+            learn from now on under ``learn``.
         learning: Whether the board learns now. It goes on so if nothing else was asked for.
         """
-        expected = "expected an object with known, theta or learn"
-        if not isinstance(request, dict) or not request:
-            raise InputError(f"lesson: got {request!r}, {expected}")
-        for key in request:
-            if key not in KEYS:
-                raise InputError(f"lesson: got {key!r}, {expected}")
         before = learning if self._learn is None else self._learn
-        learn, known = request.get("learn", before), request.get("known")
-        if not isinstance(learn, bool):
-            raise InputError(f"learn: got {learn!r}, expected true or false")
-        if "known" in request and not isinstance(known, dict):
-            raise InputError(f"known: got {known!r}, expected a value for each output")
-        if "known" in request and "theta" in request:
-            raise InputError("lesson: got known and theta, expected one of them")
+        learn = bool(request.get("learn", before))
+        what, values, scene = "known", None, self.board.scene
         codes: list[int] = []
-        values = None
-        scene = self.board.scene
-        if known is not None:
-            codes = self.board.known_codes(known)
+        if "known" in request:
+            codes = self.board.known_codes(request["known"])
             values = readings(SIGNAL.to_real(codes), scene.scales(scene.outputs))
-        what = "known"
-        if "theta" in request:
+        elif "theta" in request:
             what, codes = "theta", self._right_theta(request["theta"])
         # Only what is right changes anything.
         self._learn = learn
         count = self.board.instrument.lesson_receiver.codes
-        packet = lesson_packet(count, learn, codes, what)
-        self._waiting.append(Lesson(packet, values))
+        self._waiting.append(Lesson(lesson_packet(count, learn, codes, what), values))
 
     def _right_theta(self, theta: object) -> list[int]:
         count = self.board.instrument.elements

@@ -118,6 +118,7 @@ def _reason(error: Exception) -> str:
         return "permission denied; on Debian: sudo adduser $USER dialout, then log in anew"
     if "exclusively lock" in text:
         return "another program has it open"
-    if number == 5 or "returned no data" in text or "Bad file descriptor" in text:
+    gone = "returned no data", "Bad file descriptor", "Input/output error"
+    if number == 5 or any(words in text for words in gone):
         return "the device is gone"
     return os.strerror(number) if number else text or type(error).__name__

@@ -1,15 +1,13 @@
 """``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
 import sys
-import time
 
 from golden.input_error import InputError
-from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.monitor.board import Board, board_of
-from tactus.monitor.ports import Line, open_line
+from tactus.monitor.ports import Line, frames_from, open_line
 from tactus.scene.image import hardware_of, scene_image
 
 # A report counts after so many packets in a row have repeated it, because the first packets may
@@ -44,34 +42,23 @@ def load(line: Line, board: Board) -> int:
     """Send the image of a scene, wait until it runs, and return the number of its bytes."""
     check_readings(board)
     data = scene_image(board.scene, hardware_of(board.hardware)).to_bytes()
-    line.drop()
     line.write(image_packet(data))
-    decoder = Decoder(board.layout)
     good = refused = 0
     count = -1
-    last = time.monotonic()
-    while time.monotonic() - last < line.patience:
-        for frame in decoder.feed(line.read()):
-            last = time.monotonic()
-            refused = refused + 1 if "image_error" in frame.flags else 0
-            bad = {"image_error", "frame_error"} & set(frame.flags)
-            # Packets also come when no new frame was computed.
-            good = 0 if bad or frame.count == count else good + 1
-            count = frame.count
-            if good == SURE:
-                return len(data)
-            if refused == SURE:
-                raise InputError(
-                    f"PORT={line.label}: image_error: the board refused the image: it was cut or "
-                    f"changed on its way, or the board is not the hardware of {board.hardware.path}"
-                )
-        if line.cut:
-            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
-    faults = "; ".join(decoder.tally.faults(Decoder(board.layout).tally, board.layout).values())
-    raise InputError(
-        f"PORT={line.label}: the image was sent, but no frame came for {line.patience:g} s"
-        + (f": {faults}" if faults else ": is the bitstream loaded, and are TX and RX crossed?")
-    )
+    for frame in frames_from(line, board):
+        refused = refused + 1 if "image_error" in frame.flags else 0
+        bad = {"image_error", "frame_error"} & set(frame.flags)
+        # Packets also come when no new frame was computed.
+        good = 0 if bad or frame.count == count else good + 1
+        count = frame.count
+        if good == SURE:
+            break
+        if refused == SURE:
+            raise InputError(
+                f"PORT={line.label}: image_error: the board refused the image: it was cut or "
+                f"changed on its way, or the board is not the hardware of {board.hardware.path}"
+            )
+    return len(data)
 
 
 def main() -> None:

@@ -2,14 +2,14 @@
 
 import threading
 import time
-from collections import deque
-from collections.abc import Callable, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from golden.input_error import InputError
-from golden.link.decoder import Decoder, Tally
+from golden.link.decoder import FAULTS, FRAMES, Decoder, fault
 from golden.link.packets import FLAGS, Frame
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
@@ -70,7 +70,7 @@ class Monitor:
         self.computed = 0
         self._clock = clock
         self._lock = threading.Lock()
-        self._before: dict[str, Tally] = {}
+        self._told: Counter[str] = Counter()
         self._began = self._packet_at = clock()
         self._line = "waiting"
         self._newest: Frame | None = None
@@ -99,7 +99,7 @@ class Monitor:
         tour = {"/next": self._next} if self.lessons.tour else {}
         return {"/teach": self.teach, "/moved": self._moved, **tour}
 
-    def teach(self, request: object) -> None:
+    def teach(self, request: Mapping[str, Any]) -> None:
         """Send the board a lesson, which ``listen`` does; see ``Lessons.ask``.
 
         It may be called from any thread.
@@ -182,7 +182,7 @@ class Monitor:
         if self.csv:
             self.csv.append(self._rows(frames, values, now))
 
-    def _take_point(self, point: tuple[int, int, int]) -> None:
+    def _take_point(self, point: tuple[int, ...]) -> None:
         number, *codes = point
         if number < len(self._profile):
             x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
@@ -215,12 +215,11 @@ class Monitor:
 
     def _tell_faults(self) -> None:
         """Report each kind of fault that has come again since its last report, if one is due."""
-        tally, layout = self.decoder.tally, self.board.layout
-        for kind in tally.faults(Tally(), layout):
-            line = tally.faults(self._before.get(kind, Tally()), layout).get(kind)
-            if line and self.messages.due(kind):
-                self.messages.tell(kind, line)
-                self._before[kind] = tally.copy()
+        for kind, count in self.decoder.tally.items():
+            text = fault(kind, count, self._told[kind])
+            if text and self.messages.due(kind):
+                self.messages.tell(kind, text)
+                self._told[kind] = count
 
     def _watch(self, line: Line) -> None:
         """Report it when the line is cut, comes back, falls silent, or carries packets again."""
@@ -263,7 +262,7 @@ class Monitor:
 
     def line(self) -> str:
         packets, _ = self.rates()
-        shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
+        shown = [f"{packets:.3g} packets a second, {self.decoder.tally['missed']} missed"]
         if self._line in ("packets", "idle"):
             shown += [f"{item['name']} {item['text']}" for item in self._decision()]
             texts = self.board.texts(self._values)[len(self.board.scene.sensors) :]
@@ -311,13 +310,11 @@ class Monitor:
             "seconds": SHOWN_SECONDS,
             "profile": [p for p in self._profile if p] if _position(board) else [],
             "profile_mm": board.millimetres(_position(board)),
-            "packets": tally.frames,
+            "packets": tally[FRAMES],
             "packets_a_second": packets,
             "computed": self.computed,
             "computed_a_second": computed,
-            "missed": tally.missed,
-            "failed": tally.failed,
-            "skipped": tally.skipped,
+            **{kind: tally[kind] for kind in FAULTS},
             "flags": [
                 {"name": name, "lit": now - self._lit[name] < LIT_SECONDS, "count": count}
                 for name, count in self._flagged.items()

@@ -2,14 +2,13 @@
 
 import math
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from golden.input_error import InputError, suggest
-from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.numbers.real import Real
 from tactus.core.cli import run, stop_if_dry_run
@@ -19,7 +18,7 @@ from tactus.core.finding import fault, refuse
 from tactus.core.table import read_csv_file
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv, refuse_there
-from tactus.monitor.ports import Line, open_line
+from tactus.monitor.ports import Line, frames_from, open_line
 from tactus.monitor.twin_board import TWIN, TwinBoard
 from tactus.scene import Scene
 
@@ -82,8 +81,8 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
 def read_label(line: str, names: Sequence[str]) -> Placement:
     """The label that was typed."""
     if "," in line:
-        raise InputError(f"got {line.strip()!r}, expected one {names[0]}, without a comma")
-    return (line.strip(),)
+        raise InputError(f"got {line!r}, expected one {names[0]}, without a comma")
+    return (line,)
 
 
 def read_placement(line: str, outputs: Sequence[str]) -> Placement:
@@ -101,21 +100,27 @@ def read_placement(line: str, outputs: Sequence[str]) -> Placement:
     return cells
 
 
+# A line that is typed behind a prompt; None at the end of the input.
+Ask = Callable[[str], str | None]
+
+
+def asked(prompt: str) -> str | None:
+    # Without any input there is a RuntimeError.
+    try:
+        return input(prompt)
+    except (EOFError, RuntimeError):
+        return None
+
+
 def typed(
     outputs: Sequence[str],
-    ask: Callable[[str], str],
+    ask: Ask,
     say: Callable[[str], None],
     read: Callable[[str, Sequence[str]], Placement] = read_placement,
 ) -> Iterator[Placement]:
     """The placements that are typed, until an empty line or the end of the input."""
     say(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
-    while True:
-        try:
-            line = ask("> ")
-        except EOFError:
-            return
-        if not line.strip():
-            return
+    while line := (ask("> ") or "").strip():
         try:
             placement = read(line, outputs)
         except InputError as error:
@@ -125,37 +130,35 @@ def typed(
 
 
 def listed(
-    outputs: Sequence[str], placements: Sequence[Placement], ask: Callable[[str], str]
+    outputs: Sequence[str], placements: Sequence[Placement], ask: Ask
 ) -> Iterator[Placement]:
     """The placements of a list, each after the user has confirmed that it is there."""
     for number, placement in enumerate(placements, 1):
         told = ", ".join(f"{n} {cell}" for n, cell in zip(outputs, placement, strict=True))
-        try:
-            ask(f"{number} of {len(placements)}: {told}; Enter when it is there ")
-        except EOFError:
+        if ask(f"{number} of {len(placements)}: {told}; Enter when it is there ") is None:
             return
+        yield placement
+
+
+def touched(
+    outputs: Sequence[str], placements: Sequence[Placement], board: TwinBoard
+) -> Iterator[Placement]:
+    """The placements of a list, at each of which a simulated board is touched."""
+    for placement in placements:
+        board.place(dict(zip(outputs, placement, strict=True)))
         yield placement
 
 
 def gather(line: Line, board: Board, frames: int) -> Real:
     """The readings of the next frames, shape (frames, sensors)."""
-    line.drop()
-    decoder = Decoder(board.layout)
     found: list[Frame] = []
-    last = time.monotonic()
-    while len(found) < SETTLE + frames:
-        for frame in decoder.feed(line.read()):
-            last = time.monotonic()
-            if "converter_error" in frame.flags:
-                raise InputError(
-                    f"PORT={line.label}: converter_error: the converter is missing or stuck"
-                )
-            found.append(frame)
-        if line.cut:
-            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
-        if time.monotonic() - last > line.patience:
-            raise InputError(f"PORT={line.label}: no packet for {line.patience:g} s")
-    values = board.in_units(found[SETTLE : SETTLE + frames])
+    for frame in islice(frames_from(line, board), SETTLE + frames):
+        if "converter_error" in frame.flags:
+            raise InputError(
+                f"PORT={line.label}: converter_error: the converter is missing or stuck"
+            )
+        found.append(frame)
+    values = board.in_units(found[SETTLE:])
     return values[:, : len(board.scene.sensors)]
 
 
@@ -187,13 +190,6 @@ def record(
     return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
 
 
-def asked(prompt: str) -> str:
-    """The line that is typed behind the prompt."""
-    if sys.stdin is None:
-        raise EOFError
-    return input(prompt)
-
-
 def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
     """Refuse a recording that is shorter than was asked for.
 
@@ -208,19 +204,6 @@ def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
             f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
             "input ended before the others"
         )
-
-
-def simulated_ask(
-    simulated: TwinBoard, placements: Sequence[Placement], outputs: Sequence[str]
-) -> Callable[[str], str]:
-    """A question that touches the simulated board at the next placement, so nobody need answer."""
-    rows = iter(placements)
-
-    def ask(_: str) -> str:
-        simulated.place(dict(zip(outputs, next(rows), strict=True)))
-        return ""
-
-    return ask
 
 
 def main() -> None:
@@ -242,15 +225,14 @@ def main() -> None:
         open_line(arguments.port, arguments.baud, board) as line,
         GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,
     ):
-        ask: Callable[[str], str] = asked
         interrupted = False
         if placements is None:
             read = read_label if board.scene.labels else read_placement
-            source = typed(outputs, ask, print, read)
+            source = typed(outputs, asked, print, read)
+        elif isinstance(line, TwinBoard):
+            source = touched(outputs, placements, line)
         else:
-            if isinstance(line, TwinBoard):
-                ask = simulated_ask(line, placements, outputs)
-            source = listed(outputs, placements, ask)
+            source = listed(outputs, placements, asked)
         try:
             spread = record(line, board, source, csv, arguments.frames, print)
         except KeyboardInterrupt:
