@@ -1,33 +1,20 @@
 """abs_unit against its twin: codes and those of recorded frames, with gaps and resets."""
 
-import cocotb
-
-from tb.common.bench import Bench
 from tb.common.case_library import cases
-from tb.common.recorded_frames import check_recorded
+from tb.common.recorded_frames import recorded_test
 from tb.common.stimulus import all_codes
-from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
 
 
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, {"in_data": all_codes(bench.twin.fmt, [], bench.rng)})
-    bench.finish(at_least=16384)
+def codes(bench):
+    return {"in_data": all_codes(bench.twin.fmt, [], bench.rng)}
 
 
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, {"in_data": all_codes(bench.twin.fmt, [], bench.rng)})
-
-
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    await check_recorded(Bench(dut))
+sweep, gaps_and_resets = suite(__name__, codes)
+what_recorded_frames_bring = recorded_test(__name__)
 
 
 def properties(twin):

@@ -3,26 +3,14 @@
 For each bit of every word of both tables there is a code of either sign whose result it changes.
 """
 
-import cocotb
-
-from tb.common import activation
-from tb.common.bench import Bench
+from tb.common.activation import codes
 from tb.common.case_library import cases
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("bipartite")
 
-
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await activation.sweep(bench, bench.twin.word_codes, at_least=4096)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await activation.gaps_and_resets(bench, bench.twin.word_codes)
+sweep, gaps_and_resets = suite(__name__, lambda bench: codes(bench, bench.twin.word_codes))
 
 
 # In one copy the valid flag skips its last register, in the other a register has no reset.

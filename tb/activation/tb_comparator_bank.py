@@ -3,15 +3,13 @@
 That the thresholds are the right ones is tested in tests/test_schemes.py.
 """
 
-import cocotb
 import numpy as np
 
 from golden.numbers.fixed import Fix
-from tb.common.bench import Bench
 from tb.common.case_library import cases
-from tb.common.recorded_frames import check_recorded
+from tb.common.recorded_frames import recorded_test
 from tb.common.stimulus import all_codes
-from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
@@ -20,30 +18,15 @@ CASES = cases("rails")
 def magnitudes(bench):
     twin = bench.twin
     codes = all_codes(Fix(twin.mag_width + 1, 0), np.array(twin.thresholds), bench.rng)
-    return codes[codes >= 0]
+    return {"in_mag": codes[codes >= 0]}
 
 
 def expected(twin):
     return lambda mag: (twin.process(mag), mag)
 
 
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, {"in_mag": magnitudes(bench)}, expected(bench.twin))
-    bench.finish(at_least=8192)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, {"in_mag": magnitudes(bench)}, expected(bench.twin))
-
-
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    bench = Bench(dut)
-    await check_recorded(bench, expected(bench.twin))
+sweep, gaps_and_resets = suite(__name__, magnitudes, expected)
+what_recorded_frames_bring = recorded_test(__name__, expected)
 
 
 def properties(twin):

@@ -3,14 +3,12 @@
 Magnitudes on either side of places at which the result changes are among them.
 """
 
-import cocotb
 import numpy as np
 
 from golden.activation.gradient import Gradient
-from tb.common.bench import Bench
 from tb.common.case_library import cases
-from tb.common.recorded_frames import check_recorded
-from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.recorded_frames import recorded_test
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
@@ -36,22 +34,8 @@ def operands(bench):
     return {name: np.concatenate(values) for name, values in columns.items()}
 
 
-@cocotb.test()
-async def segments(dut):
-    bench = Bench(dut)
-    await check_stream(bench, operands(bench))
-    bench.finish(at_least=2000)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, operands(bench))
-
-
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    await check_recorded(Bench(dut))
+segments, gaps_and_resets = suite(__name__, operands, swept="segments")
+what_recorded_frames_bring = recorded_test(__name__)
 
 
 def properties(twin):

@@ -4,30 +4,16 @@ How close the schemes are to tanh, here and in the other benches, is tested over
 tests/.
 """
 
-import cocotb
-
-from tb.common import activation
-from tb.common.bench import Bench
+from tb.common.activation import codes
 from tb.common.case_library import cases
-from tb.common.recorded_frames import check_recorded
+from tb.common.recorded_frames import recorded_test
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
 
-
-@cocotb.test()
-async def sweep(dut):
-    await activation.sweep(Bench(dut))
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    await activation.gaps_and_resets(Bench(dut))
-
-
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    await check_recorded(Bench(dut))
+sweep, gaps_and_resets = suite(__name__, codes)
+what_recorded_frames_bring = recorded_test(__name__)
 
 
 def properties(twin):

@@ -1,23 +1,13 @@
 """lut against its twin: codes about every step of the table, back to back, with gaps and resets."""
 
-import cocotb
-
-from tb.common import activation
-from tb.common.bench import Bench
+from tb.common.activation import codes
 from tb.common.case_library import cases
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails-lut", "lut-thesis", "lut-short")
 
-
-@cocotb.test()
-async def sweep(dut):
-    await activation.sweep(Bench(dut))
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    await activation.gaps_and_resets(Bench(dut))
+sweep, gaps_and_resets = suite(__name__, codes)
 
 
 def properties(twin):

@@ -11,30 +11,19 @@ from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import spread
-from tb.common.stream import check_gaps_and_resets, check_in_parts
+from tb.common.stream import suite
 from tb.common.watch import ago
 
 CASES = cases("rails-pade", "pade-thesis")
 
-
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_in_parts(bench, {"in_data": codes(bench)}, at_once=2048)
-    bench.finish(at_least=16384)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, {"in_data": codes(bench)})
+sweep, gaps_and_resets = suite(__name__, codes, at_once=2048)
 
 
 @cocotb.test()
 async def early_codes(dut):
     bench = Bench(dut)
     twin = bench.twin
-    items = {"in_data": bench.rng.choice(codes(bench), 500)}
+    items = {"in_data": bench.rng.choice(codes(bench)["in_data"], 500)}
     pause = bench.rng.integers(0, 2 * twin.interval, 500)
     drive = spread(bench.rng, items, "in_valid", 0.0, bench.latency + 4, pause)
     recording = await bench.play(drive, ["out_valid", "out_data"])

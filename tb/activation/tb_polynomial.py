@@ -3,12 +3,11 @@
 Among them are those whose exact result lies closest to the border of the next result.
 """
 
-import cocotb
 import numpy as np
 
-from tb.common import activation
-from tb.common.bench import Bench
+from tb.common.activation import codes
 from tb.common.case_library import cases
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails-polynomial", "polynomial-thesis", "polynomial-short")
@@ -18,20 +17,11 @@ CLOSEST = 32
 
 
 def close(bench):
-    codes = bench.twin.closest_to_rounding(CLOSEST)
-    return np.concatenate([codes, -codes])
+    magnitudes = bench.twin.closest_to_rounding(CLOSEST)
+    return np.concatenate([magnitudes, -magnitudes])
 
 
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await activation.sweep(bench, close(bench))
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await activation.gaps_and_resets(bench, close(bench))
+sweep, gaps_and_resets = suite(__name__, lambda bench: codes(bench, close(bench)))
 
 
 def properties(twin):

@@ -1,12 +1,10 @@
 """sign_retriever against its twin: all inputs and those of recorded frames."""
 
-import cocotb
 import numpy as np
 
-from tb.common.bench import Bench
 from tb.common.case_library import cases
-from tb.common.recorded_frames import check_recorded
-from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.recorded_frames import recorded_test
+from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
@@ -17,22 +15,8 @@ def operands(bench):
     return {"in_mag": np.tile(mags, 2), "in_negative": np.repeat([0, 1], len(mags))}
 
 
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, operands(bench))
-    bench.finish(at_least=16384)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, operands(bench))
-
-
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    await check_recorded(Bench(dut))
+sweep, gaps_and_resets = suite(__name__, operands)
+what_recorded_frames_bring = recorded_test(__name__)
 
 
 def properties(twin):

@@ -1,12 +1,10 @@
-"""The tests of networks that take a whole frame in a clock, without the tests' names.
-
-The tests themselves stand in each bench, because the seed of a test follows from its module.
-"""
+"""The tests of networks that take a whole frame in a clock."""
 
 import numpy as np
 
 from golden.networks.oracle import hidden_weights
 from golden.numbers.precision import SIGNAL
+from tb.common.bench import Bench, test_named
 from tb.common.framing import scan
 from tb.common.readout import WINNER
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
@@ -66,49 +64,64 @@ def random_frames(bench, count):
     return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, bench.twin.inputs))
 
 
-async def recorded(bench):
-    """Play all recorded frames, closest first, then with gaps, and count the clocks of a frame."""
-    codes = bench.given.codes
-    recording, entered = await check(bench, codes, gap=0.0)
-    assert len(entered) == len(codes), "a recorded frame was refused"
-    final = recording.rows("out_valid")[0]
-    bench.measured(recording, len(codes), entered[0], final, entered)
-    await check(bench, codes, gap=0.3)
-    bench.finish(at_least=len(codes))
+def suite(module: str, close: bool = False):
+    """The tests of a network, in the order of their names: see below.
 
+    module: The name of the bench.
+    close: Whether frames may come closer than the design takes them, which must vanish.
+    """
 
-async def corners_and_random(bench):
-    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
-    ends = extreme_frames(SIGNAL, hidden_weights(bench.twin))
-    corners = corner_frames(SIGNAL, bench.twin.inputs)
-    frames = np.concatenate([corners, ends, random_frames(bench, 400)])
-    for gap in (0.0, 0.4):
-        await check(bench, frames, gap)
-    bench.finish(at_least=400)
+    @test_named(module, "recorded")
+    async def recorded(dut):
+        """Play all recorded frames, closest first, then with gaps; count the clocks of a frame."""
+        bench = Bench(dut)
+        codes = bench.given.codes
+        recording, entered = await check(bench, codes, gap=0.0)
+        assert len(entered) == len(codes), "a recorded frame was refused"
+        final = recording.rows("out_valid")[0]
+        bench.measured(recording, len(codes), entered[0], final, entered)
+        await check(bench, codes, gap=0.3)
+        bench.finish(at_least=len(codes))
 
+    @test_named(module, "corners_and_random")
+    async def corners_and_random(dut):
+        """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
+        bench = Bench(dut)
+        ends = extreme_frames(SIGNAL, hidden_weights(bench.twin))
+        corners = corner_frames(SIGNAL, bench.twin.inputs)
+        frames = np.concatenate([corners, ends, random_frames(bench, 400)])
+        for gap in (0.0, 0.4):
+            await check(bench, frames, gap)
+        bench.finish(at_least=400)
 
-async def resets_among_frames(bench, pause=0):
-    """Play frames at any distance, with resets at random clocks."""
-    every = 2 * (bench.twin.interval + through(bench.twin))
+    @test_named(module, "reset_at_every_clock")
+    async def reset_at_every_clock(dut):
+        """Play a frame, a reset so many clocks after it, and then a good frame."""
+        bench = Bench(dut)
+        span = max(through(bench.twin) + 2, bench.twin.interval)
 
-    def resets(length):
-        return random_resets(bench.rng, length, every)
+        def resets(clocks):
+            column = np.zeros(clocks, dtype=np.int64)
+            for t in range(span):
+                # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
+                column[2 * t * (span + 1) + span + t] = 1
+            return column
 
-    await check(bench, random_frames(bench, 600), 0.2, pause, resets)
-    bench.finish(at_least=20)
+        _, entered = await check(bench, random_frames(bench, 2 * span), 0.0, span, resets)
+        assert len(entered) == 2 * span - 1, "a frame after a reset was lost"
+        bench.finish(at_least=span)
 
+    @test_named(module, "resets_among_frames")
+    async def resets_among_frames(dut):
+        """Play frames at any distance, with resets at random clocks."""
+        bench = Bench(dut)
+        pause = bench.rng.integers(0, bench.twin.interval + 1, 600) if close else 0
+        every = 2 * (bench.twin.interval + through(bench.twin))
 
-async def reset_at_every_clock(bench):
-    """Play a frame, a reset so many clocks after it, and then a good frame."""
-    span = max(through(bench.twin) + 2, bench.twin.interval)
+        def resets(length):
+            return random_resets(bench.rng, length, every)
 
-    def resets(clocks):
-        column = np.zeros(clocks, dtype=np.int64)
-        for t in range(span):
-            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
-            column[2 * t * (span + 1) + span + t] = 1
-        return column
+        await check(bench, random_frames(bench, 600), 0.2, pause, resets)
+        bench.finish(at_least=20)
 
-    _, entered = await check(bench, random_frames(bench, 2 * span), 0.0, span, resets)
-    assert len(entered) == 2 * span - 1, "a frame after a reset was lost"
-    bench.finish(at_least=span)
+    return recorded, corners_and_random, reset_at_every_clock, resets_among_frames

@@ -12,9 +12,9 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import chain, pairwise, repeat
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import cocotb
 import numpy as np
@@ -113,6 +113,16 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
     return chosen
 
 
+def test_named(module: str, name: str) -> Callable[[Test], Test]:
+    """Make a function of a shared module a test of a bench: its seed follows from both names."""
+
+    def named(test: Test) -> Test:
+        test.__module__, test.__qualname__ = module, name
+        return cocotb.test()(test)
+
+    return named
+
+
 @cache
 def _loaded(configuration: str) -> tuple[BenchInput, Block]:
     """What is given of the scene, and the block under test, which all tests of a bench share."""
@@ -124,7 +134,7 @@ def _loaded(configuration: str) -> tuple[BenchInput, Block]:
 class Bench:
     """One cocotb test: its twin, its random generator, and the count of what it compared."""
 
-    def __init__(self, dut):
+    def __init__(self, dut: Any) -> None:
         self.dut = dut
         configuration = os.environ[CONFIGURATION]
         self.configuration = json.loads(configuration)
@@ -149,30 +159,40 @@ class Bench:
         """
         return [block for block in around(self.given.design, self.twin) if isinstance(block, kind)]
 
-    async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
+    async def play(
+        self, drive: dict[str, np.ndarray], watch: list[str], offer: "Offer | None" = None
+    ) -> Recording:
         """Reset the block, drive every port of ``drive`` clock by clock, and record ``watch``.
 
         The driven ports are recorded too. If ``drive`` leaves out the reset port, it stays low
-        after the initial reset.
+        after the initial reset. Items of ``offer`` that are left when the timeline ends follow it.
         """
         length = len(next(iter(drive.values())))
         assert all(len(c) == length for c in drive.values()), "columns of unequal length"
-        clocked = hasattr(self.dut, "clk")
         columns = from_reset(drive, hasattr(self.dut, "rst"))
-        ports = list(columns) + watch
-        read = reader(self.dut, ports)
+        ports = list(columns) + watch + (offer.ports if offer else [])
+        reads = [getattr(self.dut, name)._handle.get_signal_val_binstr for name in ports]
         changes = changed([(writer(self.dut, n), c) for n, c in columns.items()])
-        clock = writer(self.dut, "clk") if clocked else None
+        clock = writer(self.dut, "clk") if hasattr(self.dut, "clk") else None
+        show = offer.begin(self.dut) if offer else None
         words: list[str] = []
 
         def halves() -> Iterator[None]:
-            for change in changes:
+            behind = repeat((), offer.most_behind if offer else 0)
+            for number, change in enumerate(chain(changes, behind)):
+                if offer and number >= length + RESET_CLOCKS and not offer.left:
+                    break
                 if clock:
                     clock(0)
                 for write, value in change:
                     write(value)
+                if show:
+                    show(number - RESET_CLOCKS)
                 yield
-                words.extend(read())
+                row = [read() for read in reads]
+                words.extend(row)
+                if offer:
+                    offer.look(dict(zip(ports, row, strict=True)))
                 if clock:
                     clock(1)
                     yield
@@ -310,6 +330,54 @@ class Bench:
         return digest.hexdigest()
 
 
+class Offer:
+    """Items that are offered to a block one after the other, each until it is taken.
+
+    An item that is offered during a reset is lost.
+
+    stream: What the names of the ports begin with: "load_" of load_valid, load_ready, load_data.
+    items: The values of the ports of data, by the rest of their names.
+    wants: Whether the item of a number is offered from a clock on, if the ones before are taken.
+    most_behind: In at most so many clocks behind the timeline the rest is offered.
+    """
+
+    def __init__(
+        self,
+        stream: str,
+        items: dict[str, np.ndarray],
+        wants: Callable[[int, int], bool],
+        most_behind: int = 0,
+    ):
+        self.ports = [stream + name for name in ("valid", "ready", *items)]
+        self.items = list(zip(*(values.tolist() for values in items.values()), strict=True))
+        self.wants, self.most_behind = wants, most_behind
+        self.at, self.offered = 0, False
+
+    @property
+    def left(self) -> bool:
+        return self.at < len(self.items)
+
+    def begin(self, dut) -> Callable[[int], None]:
+        """A function that drives the ports in a clock."""
+        valid, *data = (writer(dut, name) for name in self.ports if not name.endswith("ready"))
+
+        def show(clock: int) -> None:
+            wanted = clock >= 0 and self.left and (self.offered or self.wants(clock, self.at))
+            self.offered = bool(wanted)
+            # While nothing is offered, the ports show another item, which must have no effect.
+            shown = self.items[(self.at if wanted else self.at + 7) % len(self.items)]
+            valid(self.offered)
+            for write, value in zip(data, shown, strict=True):
+                write(value)
+
+        return show
+
+    def look(self, row: dict[str, str]) -> None:
+        """Go on where the item is taken, or lost in a reset."""
+        if self.offered and "1" in (row["rst"], row[self.ports[1]]):
+            self.at, self.offered = self.at + 1, False
+
+
 def test_key() -> str:
     """A key of the running test that does not depend on the seed of the run.
 
@@ -373,12 +441,6 @@ async def each_half(halves: Iterator[None]) -> None:
     await ended
     if ended.failed:
         raise ended.failed
-
-
-def reader(dut, ports: list[str]) -> Callable[[], list[str]]:
-    """A function that returns the present values of the ports, each as a string of bits."""
-    reads = [getattr(dut, name)._handle.get_signal_val_binstr for name in ports]
-    return lambda: [read() for read in reads]
 
 
 def writer(dut, port: str) -> Callable[[int], None]:

@@ -1,11 +1,12 @@
 """Frames of right and wrong length, and what the twin of CONTROLLER 1 says of a recording."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from golden.layers.input_controller import FrameScan, InputController
-from tb.common.bench import Recording
+from tb.common.bench import Bench, Recording
 
 LEAST_FRAMES = 30
 
@@ -76,3 +77,28 @@ def yielding(
         kept[inside[past:]] = True
         results.append(process(frames[inside]))
     return kept, np.concatenate(results)
+
+
+# A network, the rows of the first and of the last element of frames, and these frames.
+Run = tuple[Any, np.ndarray, np.ndarray, np.ndarray]
+
+
+def check_outputs(bench: Bench, recording: Recording, *runs: Run) -> None:
+    """Compare the output stream with what networks compute from good frames.
+
+    Outputs after the end of the recording are not expected, nor outputs of frames without a
+    complete past, nor those between which and the begin of their frame a reset comes.
+    """
+    due = [np.empty((0, 3), dtype=np.int64)]
+    of: list[np.ndarray] = []
+    for network, started, ended, frames in runs:
+        kept, results = yielding(recording, ended, frames, network.past, network.process)
+        leave = ended[kept, np.newaxis] + np.array(network.output_clocks)
+        final = np.zeros_like(leave)
+        final[:, -1] = 1
+        begun = np.repeat(started[kept], leave.shape[1])
+        alive = recording.undisturbed(begun, leave.ravel() - 1) & (leave.ravel() < recording.clocks)
+        due.append(np.stack([leave, results, final], axis=-1).reshape(-1, 3)[alive])
+        of += [*np.repeat(frames[kept], leave.shape[1], axis=0)[alive]]
+    rows, codes, last = np.concatenate(due).T
+    bench.compare_stream(recording, rows, codes, last == 1, frame=of)

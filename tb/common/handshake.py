@@ -1,13 +1,8 @@
 """Plays both ends of an AXI4-Stream block: it offers elements, takes results and records."""
 
-import time
-from collections.abc import Iterator
-
 import numpy as np
 
-from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, writer
-
-PORTS = [f"{side}_axis_{name}" for side in "sm" for name in ("tvalid", "tready", "tdata", "tlast")]
+from tb.common.bench import Bench, Offer, Recording
 
 # Where the largest output is told, with the last one of a frame.
 TUSER = "m_axis_tuser"
@@ -27,39 +22,9 @@ async def exchange(
     offer, take: Whether a new element is offered, and whether results are taken, in each clock.
     """
     told = [port.name for port in bench.twin.ports if port.name == TUSER]
-    ports = ["rst", *PORTS, *told, "frame_error"]
-    read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
-    driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
-    clock, *writes = (writer(bench.dut, name) for name in driven)
-    words: list[str] = []
-    clear = np.ones(RESET_CLOCKS, dtype=bool)
-
-    def halves() -> Iterator[None]:
-        at, offered = 0, False
-        for reset, wanted, ready in zip(
-            np.concatenate([clear, resets]),
-            np.concatenate([~clear, offer]),
-            np.concatenate([~clear, take]),
-            strict=True,
-        ):
-            offered = (offered or bool(wanted)) and at < len(data)
-            # While nothing is offered, the port shows another element, which must have no effect.
-            shown = at if offered else (at + 7) % len(data)
-            clock(0)
-            values = (reset, offered, data[shown], last[shown], ready)
-            for write, value in zip(writes, values, strict=True):
-                write(int(value))
-            yield
-            row = read()
-            words.extend(row)
-            if offered and (reset or row[taking] == "1"):
-                at, offered = at + 1, False
-            clock(1)
-            yield
-
-    started = time.perf_counter()
-    await each_half(halves())
-    return bench.watched(Recording(ports, words, time.perf_counter() - started))
+    offered = Offer("s_axis_t", {"data": data, "last": last}, lambda clock, _: offer[clock])
+    watch = ["m_axis_tvalid", "m_axis_tdata", "m_axis_tlast", *told, "frame_error"]
+    return await bench.play({"rst": resets, "m_axis_tready": take}, watch, offered)
 
 
 def transfers(recording: Recording, side: str) -> np.ndarray:

@@ -1,28 +1,14 @@
 """Images of random networks, for the benches of engines that load their program."""
 
-from binascii import crc_hqx
 from collections.abc import Iterable
 from contextlib import suppress
 
-from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
+from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.trained.dense import DenseNetwork, Quantiser
 from golden.trained.function import Function
 from tb.common.cases import random_mlp, random_network
-
-
-def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image:
-    """The image of a random network for an engine."""
-    return hardware.image_for([random_mlp(shape, 1.0, seed)])
-
-
-def longest_image(hardware: Engine, inputs: int, most: int, outputs: int, seed: int) -> Image:
-    """The image of a random network with ``most`` hidden nodes, or as many as there is room."""
-    for hidden in range(most, 1, -1):
-        with suppress(InputError):
-            return image_for(hardware, (inputs, hidden, outputs), seed)
-    return image_for(hardware, (inputs, 1, outputs), seed)
 
 
 def images_with_room(hardware: Engine, networks: Iterable[DenseNetwork]) -> list[Image]:
@@ -63,30 +49,3 @@ def networks_of_other_functions() -> list[DenseNetwork]:
         random_network((3, 3, 2), (kind,), 2.0, seed, functions=(soft, wave, bent))
         for seed, kind in enumerate(kinds)
     ]
-
-
-def with_check(sizes: Sizes, sent: bytes) -> bytes:
-    """The bytes that are sent, followed by the check that matches them."""
-    return sent + crc_hqx(sent, sizes.check_start).to_bytes(CHECK_BYTES, "big")
-
-
-def naming(sizes: Sizes, image: bytes, words: int) -> bytes:
-    """An image whose header names another number of words, with a check that matches."""
-    count = ((1 << LAST_ADDR[1]) - 1) << LAST_ADDR[0]
-    header = int.from_bytes(image[:WORD_BYTES], "big") & ~count | (words - 1) << LAST_ADDR[0]
-    sent = header.to_bytes(WORD_BYTES, "big") + image[WORD_BYTES:-CHECK_BYTES]
-    return with_check(sizes, sent)
-
-
-def fitting_checks(sizes: Sizes, image: bytes, words: int) -> list[bytes]:
-    """Wrong images, made of a good one of ``words`` words. Their check is right, or in part."""
-    sent = image[:-CHECK_BYTES]
-    # In the first image a word is missing; the second has one word too many.
-    found = [naming(sizes, image, words + 1), with_check(sizes, sent + bytes(WORD_BYTES))]
-    # The first byte of the check is wrong, and the last byte is right for a check that continues
-    # from it. In each image another single bit of the remaining check is not 0.
-    left = [crc_hqx(bytes([wrong]), 0) & 0xFF for wrong in range(256)]
-    for bit in range(8):
-        changed = sent + bytes([image[-CHECK_BYTES] ^ left.index(1 << bit)])
-        found.append(changed + bytes([crc_hqx(changed, sizes.check_start) >> 8]))
-    return found

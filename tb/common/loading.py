@@ -1,26 +1,17 @@
 """Loads images into an engine that can be reloaded, and checks what it then computes."""
 
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain, repeat
 
 import numpy as np
 
 from golden.common.block import Block
 from golden.engine.image import Image
-from tb.common.bench import (
-    RESET_CLOCKS,
-    Bench,
-    Recording,
-    changed,
-    each_half,
-    from_reset,
-    reader,
-    writer,
-)
+from golden.networks.engine import Engine
+from tb.common.bench import RESET_CLOCKS, Bench, Offer, Recording
+from tb.common.framing import check_outputs
 
-WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
+WATCH = ["out_valid", "out_data", "out_last", "frame_error", "image_error"]
 
 
 @dataclass(frozen=True)
@@ -84,50 +75,47 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
 
     A byte that is offered during a reset is lost.
     """
-    dut = bench.dut
-    columns = from_reset(drive, resets=True)
-    ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
-    read, taking, reset = reader(dut, ports), ports.index("load_ready"), ports.index("rst")
-    changes = changed([(writer(dut, name), column) for name, column in columns.items()])
-    driven = ("clk", "load_valid", "load_data", "load_last")
-    drive_clock, valid, data, final = (writer(dut, name) for name in driven)
-    queue = [
-        (one.at + RESET_CLOCKS, byte, one.closed and place == len(one.data) - 1, one.gap)
-        for one in sent
-        for place, byte in enumerate(one.data)
+    queue = [(one, place) for one in sent for place in range(len(one.data))]
+
+    def wants(clock: int, at: int) -> bool:
+        one = queue[at][0]
+        return clock >= one.at and bool(bench.rng.random() >= one.gap)
+
+    ends = [one.closed and place == len(one.data) - 1 for one, place in queue]
+    data = np.array([one.data[place] for one, place in queue])
+    items = {"data": data, "last": np.array(ends, dtype=np.int64)}
+    # While a frame is computed bytes wait, so some may be left when the timeline ends. Then no
+    # frame comes any more, and four clocks are enough for a byte that comes with gaps.
+    return await bench.play(drive, WATCH, Offer("load_", items, wants, 4 * len(queue)))
+
+
+def computed(engine: Engine, valid, last, load, busy, last_out, clears):
+    """What loader and guard of an engine make of columns of its inputs.
+
+    load: The columns of load_valid, load_data and load_last.
+    busy, last_out: Where a frame is computed, and where its last output leaves.
+
+    Returns their columns, and for each good image the engine that runs it and the clocks of the
+    last samples of the frames that are computed with it.
+    """
+    loading = engine.image_loader.process(*load, busy, clears)
+    since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
+    # The image that is loaded in each clock. Before the first image no frame is taken.
+    place = np.searchsorted(since, np.arange(len(valid))) - 1
+    before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
+    guarded = engine.frame_guard.process(
+        valid, last, loading.halt, before_last, 0 * valid, last_out, clears
+    )
+    sizes, ends = engine.loaded.sizes, np.flatnonzero(guarded.done)
+    images = [
+        Image(sizes, (before + 2) % sizes.operand_words, tuple(words))
+        for _, before, words in loading.good
     ]
-    words: list[str] = []
-    clocks = len(columns["rst"])
-
-    def halves() -> Iterator[None]:
-        at, offered = 0, False
-        # While a frame is computed bytes wait, so some may be left when the timeline ends. Then no
-        # frame comes any more, and four clocks are enough for a byte that comes with gaps.
-        for clock, change in enumerate(chain(changes, repeat((), 4 * len(queue)))):
-            if clock >= clocks and at == len(queue):
-                break
-            drive_clock(0)
-            for write, value in change:
-                write(value)
-            if not offered and at < len(queue) and clock >= queue[at][0]:
-                offered = bench.rng.random() >= queue[at][3]
-            if at < len(queue):
-                # While nothing is offered, the port shows another byte, which must have no effect.
-                _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
-                data(byte)
-                final(int(last))
-            valid(int(offered))
-            yield
-            row = read()
-            words.extend(row)
-            if offered and "1" in (row[reset], row[taking]):
-                at, offered = at + 1, False
-            drive_clock(1)
-            yield
-
-    started = time.perf_counter()
-    await each_half(halves())
-    return bench.watched(Recording(ports, words, time.perf_counter() - started))
+    return (
+        loading,
+        guarded,
+        [(engine.running(i), ends[place[ends] == n]) for n, i in enumerate(images)],
+    )
 
 
 def check_loading(bench: Bench, recording: Recording) -> list[int]:
@@ -135,60 +123,26 @@ def check_loading(bench: Bench, recording: Recording) -> list[int]:
 
     Returns: For each image that was found good, how many frames were computed with it.
     """
-    twin = bench.twin
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     names = ("in_valid", "in_last", "load_valid", "load_data", "load_last", "load_ready", "rst")
-    read = {name: recording.unsigned(name, rows) for name in names}
-    loading = twin.image_loader.process(
-        *(read[name] for name in ("load_valid", "load_data", "load_last")),
-        1 - read["load_ready"],
-        read["rst"],
-    )
-    images = [
-        Image(twin.loaded.sizes, (before + 2) % twin.loaded.sizes.operand_words, tuple(words))
-        for _, before, words in loading.good
-    ]
-    since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
-    # The image that is loaded in each clock. Before the first image no frame is taken.
-    place = np.searchsorted(since, np.arange(len(rows))) - 1
-    before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
+    valid, last, *load, ready, clears = (recording.unsigned(name, rows) for name in names)
     last_out = np.isin(rows, recording.rows("out_last"))
-    guarded = twin.frame_guard.process(
-        read["in_valid"],
-        read["in_last"],
-        loading.halt,
-        before_last,
-        np.zeros_like(rows),
-        last_out,
-        read["rst"],
-    )
-    bench.compare("load_ready", read["load_ready"], ~guarded.busy, clock=rows)
+    loading, guarded, runs = computed(bench.twin, valid, last, load, 1 - ready, last_out, clears)
+    bench.compare("load_ready", ready, ~guarded.busy, clock=rows)
     found = recording.rows("image_error")
     bench.compare("clocks of image_error", found, rows[loading.image_error])
     bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[guarded.frame_error])
-
-    samples = np.flatnonzero(read["in_valid"])
+    samples = np.flatnonzero(valid)
     codes = recording.signed("in_data", rows[samples])
-    ends = np.flatnonzero(guarded.done)
-    expected = [np.empty((0, 3), dtype=np.int64)]
-    counts = []
-    for number, image in enumerate(images):
-        running = twin.running(image)
-        chosen = ends[place[ends] == number]
-        counts.append(len(chosen))
-        at = np.searchsorted(samples, chosen)
-        frames = codes[at[:, np.newaxis] + np.arange(1 - running.inputs, 1)]
-        leave = chosen[:, np.newaxis] + np.array(running.output_clocks)
-        last = np.zeros_like(leave)
-        last[:, -1] = 1
-        results = running.process(frames)
-        # A reset between the last sample and an output stops this output.
-        alive = recording.undisturbed(
-            rows[np.repeat(chosen, running.outputs)], rows[0] + leave.ravel() - 1
+    due = [
+        (
+            network,
+            rows[ends],
+            rows[ends],
+            codes[at[:, np.newaxis] + np.arange(1 - network.inputs, 1)],
         )
-        alive &= leave.ravel() < len(rows)
-        expected.append(np.stack([leave.ravel(), results.ravel(), last.ravel()], axis=1)[alive])
-    due = np.concatenate(expected)
-    at = rows[0] + due[:, 0]
-    bench.compare_stream(recording, at, due[:, 1], due[:, 2] == 1, clock=at)
-    return counts
+        for network, ends in runs
+        for at in [np.searchsorted(samples, ends)]
+    ]
+    check_outputs(bench, recording, *due)
+    return [len(ends) for _, ends in runs]

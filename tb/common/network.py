@@ -12,7 +12,7 @@ from golden.networks.oracle import designs_in, hidden_weights
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.framing import random_lengths, scan, whole, yielding
+from tb.common.framing import check_outputs, random_lengths, scan, whole
 from tb.common.loading import after_loading, untaught
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
@@ -52,27 +52,10 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     done = np.flatnonzero(frames.done)
     data = recording.signed("in_data", rows)
     seen = data[done[:, np.newaxis] + np.arange(1 - length, 1)]
-    check_outputs(bench, recording, rows[done - length + 1], rows[done], seen[:, : twin.inputs])
+    run = twin, rows[done - length + 1], rows[done], seen[:, : twin.inputs]
+    check_outputs(bench, recording, run)
     bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
     return recording, rows, frames
-
-
-def check_outputs(bench, recording, started, ended, frames):
-    """Compare the outputs with what the twin computes from the frames.
-
-    ``started`` and ``ended`` are the rows of the first and of the last element of each frame.
-    Outputs after the end of the recording are not expected, nor outputs of frames without a
-    complete past.
-    """
-    outputs = bench.twin.outputs
-    kept, results = yielding(recording, ended, frames, bench.twin.past, bench.twin.process)
-    started, ended, frames = started[kept], ended[kept], frames[kept]
-    at = ended[:, np.newaxis] + np.array(bench.twin.output_clocks)
-    alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
-    alive &= at.ravel() < recording.clocks
-    frame = np.repeat(frames, outputs, axis=0)[alive]
-    last = np.tile(np.arange(outputs) == outputs - 1, len(ended))[alive]
-    bench.compare_stream(recording, at.ravel()[alive], results.ravel()[alive], last, frame=frame)
 
 
 def whole_frames(bench, frames):

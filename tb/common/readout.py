@@ -3,7 +3,7 @@
 import numpy as np
 
 from golden.numbers.precision import SIGNAL
-from tb.common.bench import Bench, Recording
+from tb.common.bench import RESET_CLOCKS, Bench, Recording
 from tb.common.profile import check_profile
 
 WINNER = ["winner_valid", "winner_index", "winner_margin"]
@@ -29,12 +29,18 @@ def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarr
     return ends, recording.signed("out_data", rows)[at]
 
 
-def check_values(bench: Bench, recording: Recording, readout) -> None:
-    """Check the held outputs and the winner, where the readout has them."""
+def check_shown(bench: Bench, recording: Recording, readout) -> np.ndarray:
+    """Check the held outputs, the winner and the profile, where the readout has them.
+
+    Returns: What ``check_profile`` returns, or nothing.
+    """
     if readout.holds:
         check_held(bench, recording)
     if readout.decides:
         check_winner(bench, recording, readout)
+    if readout.load_profile:
+        return check_drawn(bench, recording, readout)
+    return np.empty(0, dtype=np.int64)
 
 
 def check_winner(bench: Bench, recording: Recording, readout) -> None:
@@ -50,23 +56,30 @@ def check_winner(bench: Bench, recording: Recording, readout) -> None:
     bench.compare("winner_margin", got, margin, clock=at, outputs=frames)
 
 
-def winner_columns(recording: Recording, start: int) -> dict[str, np.ndarray]:
-    """The ports of the winner as columns from clock ``start`` on, 0 where there is none."""
-    at = recording.rows("winner_valid")
-    columns = {name: np.zeros(recording.clocks - start, dtype=np.int64) for name in WINNER}
-    for name, column in columns.items():
-        column[at - start] = recording.unsigned(name, at)
-    return columns
+def columns(bench: Bench, recording: Recording, ports: list[str]) -> dict[str, np.ndarray]:
+    """The ports of a stream behind the initial reset, 0 where the first one, its flag, is low."""
+    at = recording.rows(ports[0])
+    found = {name: np.zeros(recording.clocks, dtype=np.int64) for name in ports}
+    for name, column in found.items():
+        column[at] = bench.read(recording, name, at)
+    return {name: column[RESET_CLOCKS:] for name, column in found.items()}
+
+
+def places(recording: Recording, rows: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """The place in its frame of each output, from the rows of all outputs and of the last ones.
+
+    The first output of a frame, or the first after a reset, is output 0.
+    """
+    marks = np.sort(np.concatenate([[-1], ends, recording.resets()]))
+    before = marks[np.searchsorted(marks, rows) - 1]
+    return np.arange(len(rows)) - np.searchsorted(rows, before, side="right")
 
 
 def check_held(bench: Bench, recording: Recording) -> None:
     """Check that each output is held, from the end of its frame to the next output of its kind."""
     ends, codes = frames_out(bench, recording)
     rows = recording.rows("out_valid")
-    # The first output of a frame, or the first after a reset, is output 0.
-    marks = np.sort(np.concatenate([[-1], recording.rows("out_last"), recording.resets()]))
-    before = marks[np.searchsorted(marks, rows) - 1]
-    kind = np.arange(len(rows)) - np.searchsorted(rows, before, side="right")
+    kind = places(recording, rows, recording.rows("out_last"))
     for i in range(bench.twin.outputs):
         # An output in the clock of a reset is held too. None of these benches ends in a reset.
         starts = np.append(rows[kind == i], recording.clocks - 1)

@@ -8,7 +8,7 @@ import numpy as np
 from golden.common.block import Block
 from golden.instruments.block_inputs import seen
 from golden.numbers.fixed import Codes
-from tb.common.bench import Bench
+from tb.common.bench import Bench, test_named
 from tb.common.stream import check_stream, ports_of
 
 # At most so many inputs, evenly spaced. A quarter of an hour of frames would take hours.
@@ -47,3 +47,14 @@ async def check_recorded(
     count = len(next(iter(items.values())))
     bench.facts["recorded"] = count
     bench.finish(at_least=(1 + len(ports_of(bench.twin, "out"))) * count)
+
+
+def recorded_test(module: str, of: Callable[..., Any] = lambda twin: twin.process) -> Any:
+    """The test ``what_recorded_frames_bring`` of a bench, which does this; see ``suite``."""
+
+    @test_named(module, "what_recorded_frames_bring")
+    async def what_recorded_frames_bring(dut: Any) -> None:
+        bench = Bench(dut)
+        await check_recorded(bench, of(bench.twin))
+
+    return what_recorded_frames_bring

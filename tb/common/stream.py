@@ -6,7 +6,7 @@ import numpy as np
 
 from golden.common.block import Block
 from golden.common.border import State
-from tb.common.bench import Bench
+from tb.common.bench import Bench, test_named
 from tb.common.stimulus import random_resets, spread
 
 Items = dict[str, np.ndarray]
@@ -71,40 +71,72 @@ async def check_stream(
         bench.compare(port, bench.read(recording, port, left), np.asarray(values, np.int64), **seen)
 
 
-async def check_in_parts(bench: Bench, items: Items, at_once: int = 1024):
-    """Play items as close as the twin takes them, so few at once that the recording stays small."""
-    for start in range(0, len(next(iter(items.values()))), at_once):
-        part = {name: values[start : start + at_once] for name, values in items.items()}
-        await check_stream(bench, part)
-
-
 def some_of(bench: Bench, items: Items, count: int) -> Items:
     """So many of the items, in random order."""
     order = bench.rng.integers(0, len(next(iter(items.values()))), count)
     return {name: values[order] for name, values in items.items()}
 
 
-async def check_gaps_and_resets(bench: Bench, items: Items, twin: Callable | None = None):
-    """Play 2000 of the items in random order, with idle clocks and resets between them.
+def suite(
+    module: str,
+    items: Callable,
+    of: Callable = lambda twin: twin.process,
+    at_once: int = 0,
+    swept: str = "sweep",
+):
+    """The tests of a block that answers each item: one of all items, one of gaps and resets.
 
-    Then play items with a reset at each clock of their way through the block.
+    module: The name of the bench.
+    items: A function from a bench to the values of the input ports that are played.
+    of: A function from the twin to that of ``check_stream``.
+    at_once: So many items are played at a time, so that a recording stays small.
+    swept: The name of the first test.
     """
-    chosen = some_of(bench, items, 2000)
-    await check_stream(bench, chosen, twin, gap=0.3, resets=True)
-    # An item is followed by a reset so many clocks later, and by another item in the next clock.
-    every = np.arange(bench.latency + 1)
-    pairs = {name: values[: 2 * len(every)] for name, values in chosen.items()}
-    room = bench.latency + bench.twin.interval
-    pause = np.stack([np.full(len(every), room), every], axis=1).ravel()
-    at = np.cumsum(pause + 1)[0::2] - 1 + every
-    await check_stream(bench, pairs, twin, resets=at, pause=pause)
-    bench.finish(at_least=1000)
+
+    @test_named(module, swept)
+    async def sweep(dut):
+        """Play all items as close as the twin takes them."""
+        bench = Bench(dut)
+        every = items(bench)
+        count = len(next(iter(every.values())))
+        for start in range(0, count, at_once or count):
+            part = {n: values[start : start + (at_once or count)] for n, values in every.items()}
+            await check_stream(bench, part, of(bench.twin))
+        bench.finish(at_least=count)
+
+    @test_named(module, "gaps_and_resets")
+    async def gaps_and_resets(dut):
+        """Play 2000 of the items in random order, with idle clocks and resets between them.
+
+        Then play items with a reset at each clock of their way through the block.
+        """
+        bench = Bench(dut)
+        chosen = some_of(bench, items(bench), 2000)
+        await check_stream(bench, chosen, of(bench.twin), gap=0.3, resets=True)
+        # An item is followed by a reset so many clocks later, and by another item in the next
+        # clock.
+        every = np.arange(bench.latency + 1)
+        pairs = {name: values[: 2 * len(every)] for name, values in chosen.items()}
+        room = bench.latency + bench.twin.interval
+        pause = np.stack([np.full(len(every), room), every], axis=1).ravel()
+        at = np.cumsum(pause + 1)[0::2] - 1 + every
+        await check_stream(bench, pairs, of(bench.twin), resets=at, pause=pause)
+        bench.finish(at_least=1000)
+
+    return sweep, gaps_and_resets
 
 
-async def check_early(bench: Bench, items: Items):
-    """Play 1000 of the items in random order, one in three closer to the last than allowed."""
-    chosen, interval = some_of(bench, items, 1000), bench.twin.interval
-    close = bench.rng.integers(0, interval - 1, 1000)
-    pause = np.where(bench.rng.random(1000) < 1 / 3, close, interval - 1)
-    await check_stream(bench, chosen, pause=pause)
-    bench.finish(at_least=500)
+def early_test(module: str, items: Callable):
+    """The test ``early`` of a block with an interval; see ``suite``."""
+
+    @test_named(module, "early")
+    async def early(dut):
+        """Play 1000 of the items in random order, one in three closer to the last than allowed."""
+        bench = Bench(dut)
+        chosen, interval = some_of(bench, items(bench), 1000), bench.twin.interval
+        close = bench.rng.integers(0, interval - 1, 1000)
+        pause = np.where(bench.rng.random(1000) < 1 / 3, close, interval - 1)
+        await check_stream(bench, chosen, pause=pause)
+        bench.finish(at_least=500)
+
+    return early

@@ -12,7 +12,7 @@ from tb.common.watch import busy_of, since
 from tb.instruments import tb_converter_instrument
 from tb.link.image_proof import image_receiver
 from tb.link.lesson_proof import lesson_receiver
-from tb.link.packet_proof import packet_sender
+from tb.link.packet_proof import packet_sender, slow_points
 
 PROVED = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
@@ -21,10 +21,11 @@ SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_
 def properties(twin):
     if twin.learns:
         return [rests(twin)]
+    found = [slow_points(twin.packet_sender.points)] if twin.analogue else []
     if not twin.reload:
-        return tb_converter_instrument.properties(twin)
+        return [*tb_converter_instrument.properties(twin), *found]
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(twin, engine), room(twin, engine), rests(twin)]
+    return [no_half_image(twin, engine), room(twin, engine), rests(twin), *found]
 
 
 def no_half_image(twin, engine):

@@ -10,12 +10,12 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.case_library import cases
-from tb.common.network import check_outputs, recorded_frames
+from tb.common.framing import check_outputs
+from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
 from tb.common.watch import sent
-from tb.sensing.spi_converter import Converter
-from tb.sensing.spi_play import PINS, Timeline, check_error, listen
+from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, listen, random_voltages
 from tb.sensing.tb_converter_reader import turns, verdict_clock
 
 CASES = cases("converters", "winner-converter")
@@ -32,30 +32,16 @@ async def check(bench, frames, column, fault=lambda number: None):
     """Play voltages, one frame in each scan, and return the recording and the sent frames."""
     twin, shown = bench.twin, bench.twin.readout
     reader = twin.converter_reader
-    part = Converter(reader.part.name, reader.clock_mhz, bench.rng).sheet
-    codes = part.ideal(frames)
-    used = {}
-
-    def convert(channel, number):
-        used[number] = number // reader.inputs % len(frames)
-        return int(codes[used[number], channel])
-
+    given = Voltages(reader, frames)
     watch = WATCH + readout.ports(shown)
-    recording, transfers = await listen(bench, reader, column, watch, convert, fault)
+    recording, transfers = await listen(bench, reader, column, watch, given.convert, fault)
     timeline = Timeline(reader, recording)
-    numbers = {transfer.rows.start: n for n, transfer in enumerate(transfers)}
-    read = timeline.starts[:, np.newaxis, np.newaxis] + reader.read_clocks
-    bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
-    right = reader.received(bits)[1].all(axis=1)
-    starts, ends = timeline.starts[right], read[right, -1, -1]
-    # If a reset comes in a scan, its transfers may belong to one frame or to two.
-    of = np.array([[used[numbers[int(row) + 1]] for row in scan[:, 0]] for scan in read[right]])
-    seen = frames[of, np.arange(reader.inputs)]
-    check_outputs(bench, recording, starts, ends, seen)
+    right = timeline.right.all(axis=1)
+    read = timeline.read[right]
+    seen = given.given(transfers, read)
+    check_outputs(bench, recording, (twin, timeline.starts[right], read[:, -1, -1], seen))
     check_error(bench, reader, recording, timeline)
-    readout.check_values(bench, recording, shown)
-    if shown.load_profile:
-        readout.check_drawn(bench, recording, shown)
+    readout.check_shown(bench, recording, shown)
     return recording, seen
 
 
@@ -86,14 +72,7 @@ async def random_faults_and_resets(dut):
     """Play random voltages with a wrong transfer in a third of the scans, then with resets."""
     bench = Bench(dut)
     twin, scans = bench.twin, scans_that_fit(bench)
-    inputs = twin.inputs
-    frames = bench.rng.integers(-8192, 8192, (scans, inputs))
-    frames = np.where(bench.rng.random(frames.shape) < 1 / 8, -8192, frames)
-    frames = np.where(bench.rng.random(frames.shape) < 1 / 8, 8191, frames)
-    faults = {
-        int(scan * inputs + bench.rng.integers(0, inputs)): int(bench.rng.integers(0, 2))
-        for scan in range(1, 2 * scans, 3)
-    }
+    frames, faults = random_voltages(bench, scans)
     column = column_for(bench, scans)
     await check(bench, frames, column, faults.get)
     # A complete scan follows the last reset.

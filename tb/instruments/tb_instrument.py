@@ -10,7 +10,8 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.case_library import cases
-from tb.common.network import check_outputs, recorded_frames
+from tb.common.framing import check_outputs
+from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
 from tb.common.watch import sent
@@ -60,10 +61,8 @@ async def check(bench, codes, resets=None):
     address = recording.unsigned("address", rows[steady])
     expected = scan.address_at(count[steady] - 1)
     bench.compare("address", address, expected, clock=rows[steady])
-    check_outputs(bench, recording, starts, ends, frames)
-    readout.check_values(bench, recording, shown)
-    if shown.load_profile:
-        readout.check_drawn(bench, recording, shown)
+    check_outputs(bench, recording, (bench.twin, starts, ends, frames))
+    readout.check_shown(bench, recording, shown)
     return recording, frames
 
 

@@ -275,6 +275,70 @@ def tell(twin):
     )
 
 
+def in_turn(number, count, came, codes, shown):
+    """Verilog that knows which of ``count`` items is shown, and the codes with which it came last.
+
+    Where the item that is ``next`` comes, it takes the place of the one before.
+
+    number: The name of the number of the item that is shown.
+    came: In which clocks an item comes, and the number of the one that comes behind it.
+    codes: For each name of a code, what it is when the item comes.
+    shown: In which clocks an item has been shown, so that the next one is waited for.
+    """
+    valid, behind = came
+    keeps = "\n".join(f"{name} <= {code};" for name, code in codes.items())
+    clears = "\n".join(f"{name} <= 0;" for name in ("at", "next", number, *codes))
+    return f"""
+        reg [7:0] at = 0, next = 0, {number} = 0;
+        reg [{SIGNAL.width - 1}:0] {", ".join(f"{name} = 0" for name in codes)};
+        always @(posedge clk) begin
+            at <= {behind};
+            if ({valid} && at == next) begin
+                {number} <= at;
+                {keeps}
+            end
+            if ({shown}) next <= ({number} + 1) % {count};
+            if (rst) begin
+                {clears}
+            end
+        end
+    """
+
+
+def of_points(points, part, shown, place=""):
+    """What is common to the properties of points that are shown one with each packet or profile.
+
+    part: What the names of the shown point begin with.
+    place: What those of the counters begin with, if not with the same.
+    """
+    place = place or part
+    return {
+        "watch": in_turn(
+            "point",
+            points,
+            ("profile_valid", "!profile_valid ? at : profile_last ? 0 : at + 1"),
+            {"x": "profile_x", "y": "profile_y"},
+            shown,
+        ),
+        "assumes": {
+            f"Each ramp has {points} points, as is proved of ramp.": "!profile_valid || "
+            f"profile_last == (at == {points - 1})"
+        },
+        "helps": (
+            f"at < {points} && next < {points} && point < {points}",
+            f"{place}place == at",
+            f"{place}wanted == next",
+        ),
+        "reached": ("point == 1 && next == 2",),
+        "refuted_by": (
+            (rf"{place}place == {place}wanted", "1"),
+            (rf"{place}wanted <= 0", f"{place}wanted <= 1"),
+            (rf"{part}number == {points - 1}", f"{part}number == 1"),
+        ),
+        "clocks": 12,
+    }
+
+
 def point_by_point(twin):
     return Property(
         name="points",
@@ -282,83 +346,60 @@ def point_by_point(twin):
         "the ramp, as it came last. It is the same point again where the next one has not come "
         "since, and point 0 follows the last one.",
         states=("next_point0_number == point", "next_point0_x == x", "next_point0_y == y"),
-        watch=f"""
-            reg [7:0] at = 0, next = 0, point = 0;
-            reg [{SIGNAL.width - 1}:0] x = 0, y = 0;
-            always @(posedge clk) begin
-                if (profile_valid) at <= profile_last ? 0 : at + 1;
-                if (profile_valid && at == next) begin
-                    point <= at;
-                    x <= profile_x;
-                    y <= profile_y;
-                end
-                if (begins) next <= (point + 1) % {twin.points};
-                if (rst) begin
-                    at <= 0;
-                    next <= 0;
-                    point <= 0;
-                    x <= 0;
-                    y <= 0;
-                end
-            end
-        """,
-        assumes={
-            f"Each ramp has {twin.points} points, as is proved of ramp.": "!profile_valid || "
-            f"profile_last == (at == {twin.points - 1})"
-        },
-        helps=(
-            f"at < {twin.points} && next < {twin.points} && point < {twin.points}",
-            "next_point0_place == at",
-            "next_point0_wanted == next",
-        ),
         free=("begins",),
-        reached=("point == 1 && next == 2",),
-        refuted_by=(
-            (r"next_point0_place == next_point0_wanted", "1"),
-            (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
-            (rf"next_point0_number == {twin.points - 1}", "next_point0_number == 1"),
+        **of_points(twin.points, "next_point0_", "begins"),
+    )
+
+
+def slow_points(points):
+    """The property of the two densities of an instrument."""
+    part = "slow_profile0_"
+    common = of_points(points, part, "was_last", f"{part}next_point0_")
+    common["watch"] = (
+        "reg was_last = 0; always @(posedge clk) was_last <= !rst && profile_last;"
+        + common["watch"]
+    )
+    common["refuted_by"] += (
+        (r"\.in_data\(slow_profile0_y\)", ".in_data(slow_profile0_x)"),
+        (r"slow_profile0_ended <= drawn_last", "slow_profile0_ended <= drawn_valid"),
+        (r"(?s)(slow_profile0_end\b.*?)if \(rst == 1\)", r"\1if (0)"),
+    )
+    return Property(
+        name="points given slowly",
+        sentence="dac_x and dac_y give one point of the profile. Behind the last point of a "
+        "profile the next point of the ramp is waited for, and point 0 follows the last one. "
+        "Whatever profiles come, the codes are those with which the point came last.",
+        states=(
+            f"{part}number == point && {part}x == x && {part}y == y",
+            "u_pulse_density_0.in_data == x && u_pulse_density_1.in_data == y",
+            f"{part}ended == was_last",
         ),
-        clocks=12,
+        free=("drawn_valid", "drawn_x", "drawn_y", "drawn_last"),
+        **common,
     )
 
 
 def element_by_element(twin):
+    part, count = "keep_element0_", twin.elements
+    behind = f"result_valid && result_last ? 0 : theta_valid && at < {count} ? at + 1 : at"
     return Property(
         name="elements of theta",
         sentence="The element of theta in a packet is the one that follows the element of the "
         "packet before, as it came last behind a frame. It is the same element again where the "
         "next one has not come since, and element 0 follows the last one.",
-        states=("keep_element0_number == element", "keep_element0_element == code"),
-        watch=f"""
-            reg [7:0] at = 0, next = 0, element = 0;
-            reg [{SIGNAL.width - 1}:0] code = 0;
-            always @(posedge clk) begin
-                if (result_valid && result_last) at <= 0;
-                else if (theta_valid && at < {twin.elements}) at <= at + 1;
-                if (theta_valid && at == next) begin
-                    element <= at;
-                    code <= theta_data;
-                end
-                if (begins) next <= (element + 1) % {twin.elements};
-                if (rst) begin
-                    at <= 0;
-                    next <= 0;
-                    element <= 0;
-                    code <= 0;
-                end
-            end
-        """,
+        states=(f"{part}number == element", f"{part}element == code"),
+        watch=in_turn("element", count, ("theta_valid", behind), {"code": "theta_data"}, "begins"),
         helps=(
-            f"at <= {twin.elements} && next < {twin.elements} && element < {twin.elements}",
-            "keep_element0_place == at",
-            "keep_element0_wanted == next",
+            f"at <= {count} && next < {count} && element < {count}",
+            f"{part}place == at",
+            f"{part}wanted == next",
         ),
         free=("begins",),
         reached=("element == 1 && next == 2",),
         refuted_by=(
-            (r"keep_element0_place == keep_element0_wanted", "1"),
-            (r"keep_element0_wanted <= 0", "keep_element0_wanted <= 1"),
-            (rf"keep_element0_number == {twin.elements - 1}", "keep_element0_number == 1"),
+            (rf"{part}place == {part}wanted", "1"),
+            (rf"{part}wanted <= 0", f"{part}wanted <= 1"),
+            (rf"{part}number == {count - 1}", f"{part}number == 1"),
         ),
         clocks=12,
     )

@@ -4,11 +4,8 @@ Recorded, corner, extreme and random frames come in every clock, with gaps, with
 and with one reset at each clock of a frame's way. Outputs and winner are compared in their clocks.
 """
 
-import cocotb
-
 from tb.activation.tb_bipartite import LATE
 from tb.common import at_once
-from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.watch import ago, pipeline
@@ -20,24 +17,7 @@ CASES = cases("adder-graphs")
 PROVED = ("exact-graph", "operands-graph")
 
 
-@cocotb.test()
-async def recorded(dut):
-    await at_once.recorded(Bench(dut))
-
-
-@cocotb.test()
-async def corners_and_random(dut):
-    await at_once.corners_and_random(Bench(dut))
-
-
-@cocotb.test()
-async def resets_among_frames(dut):
-    await at_once.resets_among_frames(Bench(dut))
-
-
-@cocotb.test()
-async def reset_at_every_clock(dut):
-    await at_once.reset_at_every_clock(Bench(dut))
+recorded, corners_and_random, reset_at_every_clock, resets_among_frames = at_once.suite(__name__)
 
 
 def winner(twin):

@@ -1,15 +1,15 @@
 """engine, a whole scene on one multiplier or several, against its twin.
 
 Besides the tests of tb/common/network.py: if the engine can be reloaded, images of its own, of
-shipped scenes and of other sizes come before, between and in the middle of frames, with wrong ones
-among them, and with resets. The twin executes the words of the program, or those that are loaded.
+shipped scenes and of other sizes come before, between and in the middle of frames, with a few
+wrong ones among them, and with resets. The twin executes the words of the program, or those that
+are loaded.
 """
 
 from contextlib import suppress
 
 import numpy as np
 
-from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tb.common import network
@@ -17,7 +17,7 @@ from tb.common.bench import Bench, test_of
 from tb.common.case_library import cases
 from tb.common.cases import random_mlp
 from tb.common.framing import random_lengths, whole
-from tb.common.images import fitting_checks, images_with_room
+from tb.common.images import images_with_room
 from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.images import networks_of_other_functions as other_functions
 from tb.common.loading import Sent, check_loading, exchange, loaded
@@ -43,8 +43,6 @@ PROVED = (
     *("steep-engine", "rails-lanes", "relu-lanes", "tables-lanes", "bell-lanes", "exact-lanes"),
     *("floor-lanes", "deep-engine", "rails-reload", "rails-lanes-reload"),
 )
-# How many intervals of frames are left behind the last image at least.
-BEHIND = 20
 # The runner gives these to the bench. They have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
@@ -77,19 +75,11 @@ def traffic(bench, samples, most):
     return spread(rng, {"in_data": data, "in_last": last}, "in_valid", 0.1, tail, pause)
 
 
-def wrong_images(rng, sizes, image):
-    """Byte streams that differ from the image. Each must be refused."""
-    cuts = [1, 4, 5, 6, len(image) // 2, len(image) - 2, len(image) - 1]
-    wrong = [image[:count] for count in cuts]
-    wrong += [image + bytes(count) for count in (1, 2, 3, 5, 7)]
-    # The changed bytes are in the fields of the header, in a word, in the last word and in the
-    # check.
-    for place in (1, 2, 3, 4, len(image) // 2, len(image) - 3, len(image) - 2, len(image) - 1):
-        changed = bytearray(image)
-        changed[place] ^= 1 << rng.integers(0, 8)
-        wrong.append(bytes(changed))
-    words = (len(image) - CHECK_BYTES) // WORD_BYTES - 1
-    return wrong + fitting_checks(sizes, image, words)
+def wrong_images(rng, image):
+    """Images that are cut, too long, or wrong in one bit: of every other it is proved."""
+    changed = bytearray(image)
+    changed[rng.integers(0, len(image))] ^= 1 << rng.integers(0, 8)
+    return [image[:-1], bytes(changed), image + bytes(5), image[:6]]
 
 
 def shipped_with_room(hardware, shipped):
@@ -116,88 +106,54 @@ async def images_one_after_the_other(dut):
     bench.finish(at_least=bench.frames)
 
 
-async def load_each(dut, networks, count):
-    """Load networks one after the other, and compare so many random frames behind each."""
-    bench = Bench(dut)
-    hardware = bench.twin
-    images = images_with_room(hardware, networks(bench))
-    for number, image in enumerate(images):
-        bench.twin = hardware.running(image)
-        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, image.inputs))
-        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
-        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
-        counts = check_loading(bench, recording)
-        assert counts == [count], f"network {number}: got {counts} frames"
-    bench.finish(at_least=count * len(images))
-
-
-def samples_of_every_bit(bench):
+def samples_of_every_bit(hardware):
     """Two networks; each bit of the number of samples is 1 in one and 0 in the other."""
-    sizes = bench.twin.loaded.sizes
+    sizes = hardware.loaded.sizes
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
     twos = every_other, sizes.operand_words - 1 - every_other
     return [random_mlp((less_two + 2, 2, 1), 1.0, seed=less_two) for less_two in twos]
 
 
 @test_of(loaded)
-async def other_numbers_of_samples(dut):
-    await load_each(dut, samples_of_every_bit, 8)
-
-
-@test_of(lambda twin: loaded(twin) and twin.rectifies)
-async def networks_of_other_depth(dut):
-    """Load networks with one to four hidden layers, also some without ReLU."""
-    await load_each(dut, lambda b: other_depths(b.given.networks[0].layers[0].quantiser), 20)
-
-
-@test_of(lambda twin: loaded(twin) and twin.loaded.sizes.table_blocks)
-async def networks_of_other_functions(dut):
-    """Load networks each with tables of its own."""
-    await load_each(dut, lambda _: other_functions(), 20)
+async def other_networks(dut):
+    """Load networks of other sizes, depths and functions, and compare random frames behind each."""
+    bench = Bench(dut)
+    hardware = bench.twin
+    groups = [samples_of_every_bit(hardware)]
+    if hardware.rectifies:
+        groups.append(other_depths(bench.given.networks[0].layers[0].quantiser))
+    if hardware.loaded.sizes.table_blocks:
+        groups.append(other_functions())
+    images = [image for group in groups for image in images_with_room(hardware, group)]
+    for number, image in enumerate(images):
+        bench.twin = hardware.running(image)
+        count = max(8, min(20, 2000 // image.inputs))
+        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, image.inputs))
+        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+        counts = check_loading(bench, await exchange(bench, drive, [Sent(0, bench.twin.image)]))
+        assert counts == [count], f"network {number}: got {counts} frames"
+    bench.finish(at_least=8 * len(images))
 
 
 @test_of(loaded)
-async def wrong_images_among_good_ones(dut):
-    """Check that no frame is taken from the first byte of a wrong image on."""
-    bench = Bench(dut)
-    rng, image = bench.rng, bench.twin.image
-    sent, at, sound = [Sent(0, image)], 0, 1
-    for wrong in wrong_images(rng, bench.twin.loaded.sizes, image):
-        good = rng.random() < 0.3
-        sent += [Sent(at, wrong)] + [Sent(at, image)] * good
-        sound += good
-        at += len(wrong) + good * len(image) + int(rng.integers(0, 300))
-    # Broken off without a last byte: the next image is part of it, the one after is good.
-    sent += [Sent(at, image[:50], closed=False), Sent(at, image), Sent(at, image)]
-    samples = (at + 3 * len(image)) // 10
-    drive = traffic(bench, samples, most=80)
-    # Long images leave few clocks between them, so frames must also come behind the last one.
-    clocks = sum(len(one.data) for one in sent) + BEHIND * bench.twin.interval
-    while len(drive["in_valid"]) < clocks:
-        samples += len(image) // 10
-        drive = traffic(bench, samples, most=80)
-    recording = await exchange(bench, drive, sent)
-    counts = check_loading(bench, recording)
-    assert len(counts) == sound + 1, f"got {len(counts)} good images, sent {sound + 1}"
-    assert sum(counts), "no frame was computed"
-    bench.finish(at_least=100)
+async def images_at_any_time(dut):
+    """Load images of two scenes and wrong ones, in the middle of frames and of their computation.
 
-
-@test_of(loaded)
-async def frames_while_loading(dut):
-    """Load images of two scenes in turn, in the middle of frames and of their computation."""
+    One is broken off without a last byte, so that the next image is part of it.
+    """
     bench = Bench(dut)
-    rng = bench.rng
+    rng, own = bench.rng, bench.twin.image
     shipped = shipped_with_room(bench.twin, bench.given.shipped)
-    *_, other = bench.twin.image, *(image.to_bytes() for _, image in shipped)
-    sent, at = [], 0
+    *_, other = own, *(image.to_bytes() for _, image in shipped)
+    sent, at, wrong = [], 0, wrong_images(rng, own)
     for number in range(12):
-        data = other if number % 4 == 3 else bench.twin.image
+        data = [own, other, wrong[number // 3]][number % 3]
         sent.append(Sent(at, data, gap=0.3 * (number % 2)))
         at += 2 * len(data) + int(rng.integers(0, 400))
-    drive = traffic(bench, at // 5, most=40)
+    sent += [Sent(at, own[:50], closed=False), Sent(at, own), Sent(at, own)]
+    drive = traffic(bench, (at + 3 * len(own)) // 5, most=40)
     counts = check_loading(bench, await exchange(bench, drive, sent))
-    assert len(counts) == len(sent), f"got {len(counts)} good images, sent {len(sent)}"
+    assert len(counts) == 9, f"got {len(counts)} good images, sent 9"
     assert sum(counts), "no frame was computed"
     bench.finish(at_least=100)
 

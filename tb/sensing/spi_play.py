@@ -3,7 +3,7 @@
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS
-from tb.sensing.spi_converter import Converter
+from tb.sensing.spi_converter import SHEETS, Converter
 
 PINS = ["cs_n", "sclk", "mosi"]
 
@@ -22,6 +22,44 @@ class Timeline:
         # The scans whose last bit is in the recording, and before any reset.
         kept = (ends < recording.clocks - 2) & ~np.isin(starts, self.marks)
         self.starts = starts[kept][recording.undisturbed(starts[kept], ends[kept])]
+        # In which clocks these scans read miso, the codes of their transfers, and which are right.
+        self.read = self.starts[:, np.newaxis, np.newaxis] + reader.read_clocks
+        bits = recording.unsigned("miso", self.read.ravel()).reshape(self.read.shape)
+        self.codes, self.right = reader.received(bits)
+
+
+class Voltages:
+    """Gives a converter one frame in each scan, and knows of which one each transfer was."""
+
+    def __init__(self, reader, frames):
+        self.frames, self.inputs = frames, reader.inputs
+        self.codes, self.used = SHEETS[reader.part.name].ideal(frames), {}
+
+    def convert(self, channel, number):
+        self.used[number] = number // self.inputs % len(self.frames)
+        return int(self.codes[self.used[number], channel])
+
+    def given(self, transfers, read):
+        """The samples of some scans, which read in these clocks.
+
+        If a reset comes in a scan, its transfers may belong to one frame or to two.
+        """
+        numbers = {transfer.rows.start: n for n, transfer in enumerate(transfers)}
+        of = [[self.used[numbers[int(row) + 1]] for row in scan[:, 0]] for scan in read]
+        frames = np.array(of, dtype=np.int64).reshape(-1, self.inputs)
+        return self.frames[frames, np.arange(self.inputs)]
+
+
+def random_voltages(bench, scans):
+    """Random frames with ends of the range, and a wrong transfer in a third of the scans."""
+    rng, inputs = bench.rng, bench.twin.inputs
+    frames = rng.integers(-8192, 8192, (scans, inputs))
+    frames = np.where(rng.random(frames.shape) < 1 / 8, -8192, frames)
+    frames = np.where(rng.random(frames.shape) < 1 / 8, 8191, frames)
+    return frames, {
+        int(scan * inputs + rng.integers(0, inputs)): int(rng.integers(0, 2))
+        for scan in range(1, 2 * scans, 3)
+    }
 
 
 async def listen(bench, reader, resets, watch, convert, fault=lambda number: None):

@@ -3,15 +3,13 @@
 They come as close as it takes them, with gaps and resets, and closer.
 """
 
-import cocotb
 import numpy as np
 
 from golden.visualisation.power_fold import border_data
-from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.properties import Property
-from tb.common.recorded_frames import check_recorded
-from tb.common.stream import check_early, check_gaps_and_resets, check_in_parts
+from tb.common.recorded_frames import recorded_test
+from tb.common.stream import early_test, suite
 
 CASES = cases("drawn")
 
@@ -31,28 +29,9 @@ def pairs(bench):
     return {"in_data": np.tile(t, len(powers)), "in_power": np.repeat(powers, len(t))}
 
 
-@cocotb.test()
-async def what_recorded_frames_bring(dut):
-    await check_recorded(Bench(dut))
-
-
-@cocotb.test()
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_in_parts(bench, pairs(bench))
-    bench.finish(at_least=PARTS * bench.twin.max_power)
-
-
-@cocotb.test()
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    await check_gaps_and_resets(bench, pairs(bench))
-
-
-@cocotb.test()
-async def early(dut):
-    bench = Bench(dut)
-    await check_early(bench, pairs(bench))
+what_recorded_frames_bring = recorded_test(__name__)
+sweep, gaps_and_resets = suite(__name__, pairs, at_once=1024)
+early = early_test(__name__, pairs)
 
 
 def properties(twin):

@@ -67,15 +67,20 @@ def properties_of(job: Job) -> list[Property]:
     return _OF[job.block](job.twin) if job.block in _OF else []
 
 
-def mutated_parts(twin: Block) -> list[str]:
-    """The parts that are mutated with a block: all but those of which a property says everything.
+# Parts of which the proof for every frame shows all that they do.
+_SHOWN = {name for module in BENCHES.values() for name in getattr(module, "SHOWN_BY_FRAMES", ())}
 
-    Whatever changes what such a part does violates the property.
+
+def mutated_parts(twin: Block) -> list[str]:
+    """The parts that are mutated with a block: all but those of which a proof says everything.
+
+    Whatever changes what such a part does violates a property, or the proof for every frame.
     """
     return [
         part.entity
         for part in parts_of(twin)
-        if not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
+        if part.block not in _SHOWN
+        and not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
     ]
 
 
