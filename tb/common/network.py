@@ -231,3 +231,6 @@ async def reset_at_every_clock(dut):
     )
     assert scanned.done.sum() >= len(at) * count, "a frame after a reset was refused"
     bench.finish(at_least=len(at) * twin.outputs)
+
+
+TESTS = recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock

@@ -9,12 +9,12 @@ import cocotb
 import numpy as np
 
 from golden.numbers.precision import SIGNAL
-from tb.common import network, readout
+from tb.common import readout
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import cases
 from tb.common.lessons import Player, refusals, traffic
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
-from tb.common.network import WATCH, random_elements, recorded_frames, whole_frames
+from tb.common.network import TESTS, WATCH, random_elements, recorded_frames, whole_frames
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 
@@ -22,12 +22,7 @@ CASES = cases("profiles", "reload-uart", "learn-uart", "winner", "read-winners")
 # It has the ports of the largest output too.
 ALSO = ("winner",)
 
-# These tests are those of every network with a stream.
-corners_and_random = network.corners_and_random
-recorded = network.recorded
-reset_at_every_clock = network.reset_at_every_clock
-resets_in_mid_frame = network.resets_in_mid_frame
-wrong_lengths = network.wrong_lengths
+recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock = TESTS
 
 
 async def check(bench, frames, resets=None):

@@ -12,10 +12,9 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 
 from golden.networks.axis_network import TDATA
 from golden.numbers.precision import SIGNAL
-from tb.common.bench import Bench
+from tb.common.bench import Bench, Offer
 from tb.common.case_library import cases
 from tb.common.framing import random_lengths, whole
-from tb.common.handshake import check_kept, exchange, transfers
 from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import corner_frames, random_resets
@@ -26,6 +25,33 @@ CASES = cases("axis")
 ALSO = ("winner-axis",)
 # Cases with a least distance of frames, without slots and with them.
 PROVED = ("axis", "slow-axis-cascade")
+
+
+# Where the largest output is told, with the last one of a frame.
+TUSER = "m_axis_tuser"
+
+
+def transfers(recording, side):
+    """The rows in which an element is transferred on side ``s`` or ``m``."""
+    ready = recording.rows(f"{side}_axis_tready")
+    return np.intersect1d(recording.rows(f"{side}_axis_tvalid"), ready)
+
+
+def check_kept(bench, recording):
+    """Check that an offered result stays until it is taken or a reset comes."""
+    offered = recording.rows("m_axis_tvalid")
+    waits = np.setdiff1d(offered, transfers(recording, "m"))
+    waits = np.setdiff1d(waits, recording.resets())
+    waits = waits[waits + 1 < recording.clocks]
+    bench.compare("m_axis_tvalid kept", np.isin(waits + 1, offered), np.ones(len(waits), bool))
+    closing = np.isin(waits, recording.rows("m_axis_tlast"))
+    if TUSER in recording.columns:
+        rows = waits[closing]
+        now, then = (recording.unsigned(TUSER, rows + late) for late in (0, 1))
+        bench.compare(f"{TUSER} kept", then, now)
+    for port in ("m_axis_tdata", "m_axis_tlast"):
+        now, then = recording.unsigned(port, waits), recording.unsigned(port, waits + 1)
+        bench.compare(f"{port} kept", then, now)
 
 
 async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
@@ -48,8 +74,12 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
     cleared = random_resets(rng, len(taken), resets) if resets else np.zeros(len(taken), dtype=int)
     if resets:
         cleared[-tail:] = 0
-    recording = await exchange(
-        bench, data, last, rng.random(len(taken)) < offer, taken, cleared.astype(bool)
+    offered = rng.random(len(taken)) < offer
+    told = [TUSER] * twin.decides
+    recording = await bench.play(
+        {"rst": cleared, "m_axis_tready": taken},
+        ["m_axis_tvalid", "m_axis_tdata", "m_axis_tlast", *told, "frame_error"],
+        Offer("s_axis_t", {"data": data, "last": last}, lambda clock, _: offered[clock]),
     )
     entered, left = transfers(recording, "s"), transfers(recording, "m")
     entered = np.setdiff1d(entered, recording.resets())
@@ -68,8 +98,8 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
         if twin.decides:
             frames = results[: len(results) // twin.outputs * twin.outputs]
             closing = out[: len(frames)][twin.outputs - 1 :: twin.outputs]
-            told = recording.unsigned("m_axis_tuser", closing)
-            bench.compare("m_axis_tuser", told, twin.winners(frames.reshape(-1, twin.outputs)))
+            told = recording.unsigned(TUSER, closing)
+            bench.compare(TUSER, told, twin.winners(frames.reshape(-1, twin.outputs)))
         bench.compare("m_axis_tlast", np.isin(out, recording.rows("m_axis_tlast")), closes)
         errors += list(rows[twin.input_controller.process(ended, rows).error] + 1)
     bench.compare("clocks of frame_error", recording.rows("frame_error"), np.array(errors))

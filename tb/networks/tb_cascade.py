@@ -1,16 +1,12 @@
 """cascade, networks one after the other, against its twin: the tests of tb/common/network.py."""
 
-from tb.common import network, watch
+from tb.common import watch
 from tb.common.case_library import cases
+from tb.common.network import TESTS
 
 CASES = cases("cascades")
 
-# These tests are those of every network with a stream.
-corners_and_random = network.corners_and_random
-recorded = network.recorded
-reset_at_every_clock = network.reset_at_every_clock
-resets_in_mid_frame = network.resets_in_mid_frame
-wrong_lengths = network.wrong_lengths
+recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock = TESTS
 
 
 def properties(twin):

@@ -12,7 +12,6 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from tb.common import network
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import cases
 from tb.common.cases import random_mlp
@@ -21,6 +20,7 @@ from tb.common.images import images_with_room
 from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.images import networks_of_other_functions as other_functions
 from tb.common.loading import Sent, check_loading, exchange, loaded
+from tb.common.network import TESTS
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import busy_of, frames_computed
@@ -46,12 +46,7 @@ PROVED = (
 # The runner gives these to the bench. They have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
-# These tests are those of every network with a stream.
-corners_and_random = network.corners_and_random
-recorded = network.recorded
-reset_at_every_clock = network.reset_at_every_clock
-resets_in_mid_frame = network.resets_in_mid_frame
-wrong_lengths = network.wrong_lengths
+recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock = TESTS
 
 
 def frames_of(bench, frames, after):

@@ -7,10 +7,10 @@ import cocotb
 import numpy as np
 
 from golden.numbers.precision import SIGNAL
-from tb.common import network, watch
+from tb.common import watch
 from tb.common.bench import Bench
 from tb.common.case_library import cases
-from tb.common.network import check, pauses, random_elements, whole_frames
+from tb.common.network import TESTS, check, pauses, random_elements, whole_frames
 from tb.common.properties import Property
 from tb.common.watch import ago, frames
 
@@ -22,12 +22,7 @@ PROVED = ("wide-multiple",)
 # played.
 MANY, ENDS = 1 << 16, 4
 
-# These tests are those of every network with a stream.
-corners_and_random = network.corners_and_random
-recorded = network.recorded
-reset_at_every_clock = network.reset_at_every_clock
-resets_in_mid_frame = network.resets_in_mid_frame
-wrong_lengths = network.wrong_lengths
+recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock = TESTS
 
 
 @cocotb.test()

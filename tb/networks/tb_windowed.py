@@ -3,8 +3,8 @@
 After each reset the past begins anew.
 """
 
-from tb.common import network
 from tb.common.case_library import cases
+from tb.common.network import TESTS
 from tb.sensing.window_proof import window
 
 # The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
@@ -12,12 +12,7 @@ CASES = cases("past", "chain-past", "few-past")
 # A case with another network, and with slots after the samples.
 PROVED = ("chain-past",)
 
-# These tests are those of every network with a stream.
-corners_and_random = network.corners_and_random
-recorded = network.recorded
-reset_at_every_clock = network.reset_at_every_clock
-resets_in_mid_frame = network.resets_in_mid_frame
-wrong_lengths = network.wrong_lengths
+recorded, corners_and_random, wrong_lengths, resets_in_mid_frame, reset_at_every_clock = TESTS
 
 
 def properties(twin):
