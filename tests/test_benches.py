@@ -7,8 +7,11 @@ every frame instead (test_every_frame.py).
 """
 
 import json
+import logging
 import os
 import re
+import signal
+import warnings
 from pathlib import Path
 
 import pytest
@@ -176,11 +179,18 @@ async def ends(dut):
 """
 
 
-def test_a_bench_that_passes_prints_nothing_and_writes_no_waves(wire: Run, capfd) -> None:
+def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd) -> None:
+    def shared_by_the_process() -> list[object]:
+        logs = [logging.getLogger(name) for name in ("", "cocotb")]
+        handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+        return [*handlers, [(log.level, [*log.handlers]) for log in logs], [*warnings.filters]]
+
+    before = shared_by_the_process()
     good, log = play(wire, SOUND)
     assert good, log
     assert "bench.passes" in log
     assert capfd.readouterr() == ("", "")
+    assert shared_by_the_process() == before
     assert not list(wire.folder.glob("*.ghw")) + list(wire.folder.glob("*.fst"))
 
 

@@ -1,14 +1,22 @@
-"""Runs a bench in its simulator: builds an exported entity, and starts cocotb in it."""
+"""Runs a bench in its simulator: cocotb-test builds an exported entity and starts cocotb in it."""
 
+import logging
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Iterable
+import threading
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
+import cocotb_test.run
+import cocotb_test.simulator
 import find_libpython
 from cocotb_tools import config
 
@@ -24,7 +32,6 @@ QUICK = "-O0"
 # Signals are undefined before the reset, and numeric_std would warn of each of them at time 0.
 QUIET_AT_0 = "--ieee-asserts=disable-at-0"
 TIMESCALE = "1ns/1ps"
-WAVES = "module waves; initial begin $dumpfile({file}); $dumpvars(0, {entity}); end endmodule\n"
 # Where cocotb writes what became of each test, in the folder of a run.
 RESULTS = "results.xml"
 
@@ -80,51 +87,138 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         raise InputError(result.stderr.strip())
 
 
-def commands(run: Run) -> list[list[str]]:
-    """The commands that build an entity in the folder of a run, and simulate it."""
-    vpi = str(config.lib_name_path("vpi", run.simulator))
-    if run.simulator == "ghdl":
-        analysed = [VHDL, f"--workdir={run.library}", run.entity]
-        waves = [f"--wave={run.entity}.ghw"] if run.waves else []
-        start = ["ghdl", "-r", *analysed, f"--vpi={vpi}", QUIET_AT_0, *waves]
-        return [["ghdl", "-e", *analysed], start]
-    (run.folder / "timescale.f").write_text(f"+timescale+{TIMESCALE}\n")
-    build = ["iverilog", "-g2012", "-o", "run.vvp", "-f", "timescale.f", "-s", run.entity]
-    build += map(str, run.sources)
-    if run.waves:
-        text = WAVES.format(file=f'"{run.entity}.fst"', entity=run.entity)
-        (run.folder / "waves.v").write_text(text)
-        build += ["-s", "waves", "waves.v"]
-    return [build, ["vvp", "-m", vpi, "run.vvp", *(["-fst"] if run.waves else [])]]
+# Only one simulator is set up at a time, because each setup changes settings of the process.
+SETTING_UP = threading.Lock()
+
+
+@contextmanager
+def process_unchanged() -> Iterator[None]:
+    """Restore the logging, warnings and signal handlers that cocotb-test changes for its own use.
+
+    In the meantime ``WAVES`` is not in the environment, because cocotb-test reads it as a number
+    even if it has been told whether to write waves.
+    """
+    log = logging.getLogger("cocotb")
+    # logging.basicConfig adds no handler if there is one.
+    placeholder = logging.NullHandler()
+    with SETTING_UP, warnings.catch_warnings():
+        level = log.level
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        logging.getLogger().addHandler(placeholder)
+        waves = os.environ.pop("WAVES", None)
+        try:
+            yield
+        finally:
+            if waves is not None:
+                os.environ["WAVES"] = waves
+            logging.getLogger().removeHandler(placeholder)
+            log.setLevel(level)
+            if threading.current_thread() is threading.main_thread():
+                for number, handler in handlers.items():
+                    signal.signal(number, handler)
+
+
+class BenchSimulator(cocotb_test.simulator.Simulator):
+    """A simulator of cocotb-test that changes nothing outside of its run.
+
+    log: The file for what the simulator prints. Nothing goes to the terminal.
+    **arguments: The arguments of cocotb-test. ``extra_env`` and what cocotb itself needs are the
+        whole environment of the run: nothing else is inherited.
+    """
+
+    def __init__(self, log: Path, **arguments: Any) -> None:
+        with process_unchanged():
+            super().__init__(**arguments)
+        self.log = log
+
+    @property
+    def results(self) -> Path:
+        """The file in which cocotb writes the result of each test."""
+        return Path(self.work_dir) / RESULTS
+
+    def set_env(self) -> None:
+        self.env |= machine() | {
+            "COCOTB_TOPLEVEL": self.toplevel_module,
+            "COCOTB_TEST_MODULES": self.module,
+            "COCOTB_RESULTS_FILE": str(self.results),
+            "TOPLEVEL_LANG": self.toplevel_lang,
+        }
+
+    def execute(self, cmds: list[list[str]]) -> None:
+        """Run the commands one after the other, up to the first that fails."""
+        with self.log.open("w") as log:
+            for command in cmds:
+                ended = subprocess.run(
+                    command,
+                    cwd=self.work_dir,
+                    env=self.env,
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=subprocess.STDOUT,
+                    check=False,
+                )
+                if ended.returncode:
+                    raise SystemExit(f"{command[0]} ended with {ended.returncode}: see {self.log}")
+
+    def run(self) -> str:
+        self.set_env()
+        self.execute(self.build_command())
+        if not self.results.is_file() or not passed(self.results):
+            raise SystemExit(f"{self.toplevel_module}: tests did not pass: see {self.log}")
+        return str(self.results)
+
+
+class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
+    """Icarus, which compiles an entity from its own sources."""
+
+
+class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
+    """GHDL, which takes an entity from a library that ``analyse`` has filled.
+
+    entity: The entity in that library.
+    **arguments: The arguments of ``BenchSimulator``, without sources.
+    """
+
+    def __init__(self, entity: str, library: Path, **arguments: Any) -> None:
+        super().__init__(
+            toplevel=f"work.{entity}",
+            toplevel_lang="vhdl",
+            # The list is empty, because cocotb-test would compile the files again for each entity.
+            vhdl_sources={},
+            compile_args=[VHDL, f"--workdir={library}"],
+            **arguments,
+        )
+
+    def build_command(self) -> list[list[str]]:
+        link = ["ghdl", "-e", *self.compile_args, self.toplevel_module]
+        return [link, *super().build_command()]
+
+
+SIMULATORS = {"ghdl": Ghdl, "icarus": Icarus}
 
 
 def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
-    """Build and simulate, and return whether every test of the bench ran and passed.
-
-    ``environment`` and what cocotb itself needs are the whole environment of the run: nothing else
-    is inherited. What the simulator prints goes to ``log``.
-    """
-    run.folder.mkdir(parents=True, exist_ok=True)
-    results = run.folder / RESULTS
-    needed = {
-        "COCOTB_TOPLEVEL": run.entity,
-        "COCOTB_TEST_MODULES": run.module,
-        "COCOTB_RESULTS_FILE": str(results),
+    """Build and simulate, and return whether every test of the bench ran and passed."""
+    arguments = {
+        "module": run.module,
+        "sim_build": run.folder,
+        "waves": run.waves,
+        "extra_env": environment,
+        "log": log,
     }
-    with log.open("w") as printed:
-        for command in commands(run):
-            ended = subprocess.run(
-                command,
-                cwd=run.folder,
-                env=environment | machine() | needed,
-                stdin=subprocess.DEVNULL,
-                stdout=printed,
-                stderr=subprocess.STDOUT,
-                check=False,
-            )
-            if ended.returncode:
-                return False
-    return results.is_file() and passed(results)
+    if run.simulator == "ghdl":
+        arguments |= {"entity": run.entity, "library": run.library, "sim_args": [QUIET_AT_0]}
+    else:
+        arguments |= {
+            "toplevel": run.entity,
+            "verilog_sources": list(run.sources),
+            "timescale": TIMESCALE,
+        }
+    try:
+        cocotb_test.run.run(simulator=SIMULATORS[run.simulator], **arguments)
+    except SystemExit:
+        return False
+    return True
 
 
 def passed(results: Path) -> bool:
