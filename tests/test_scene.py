@@ -212,6 +212,15 @@ def test_a_default_is_what_may_stand_there() -> None:
             assert key["default"] in ("", [], {}, 0), name
 
 
+def test_a_key_asks_of_others_what_may_stand_there() -> None:
+    """Or nothing, which is written as an empty text."""
+    keys = dict(sections(SCENE))
+    for key in keys.values():
+        for other, known in key.get("only", {}).items():
+            for value in () if known == "any" else known:
+                assert value == "" or not list(faults(keys[other], value, other)), other
+
+
 def test_every_key_has_a_meaning_that_an_editor_can_show() -> None:
     schema = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
     for section, table in SCENE["properties"].items():

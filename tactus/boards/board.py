@@ -6,7 +6,7 @@ from pathlib import Path
 
 from golden.input_error import InputError, suggest
 from tactus.core.files import named_file
-from tactus.core.schema import Rule, filled, read_checked
+from tactus.core.schema import Rule, read_checked
 
 # For each family: the name of a device by its maker, and its name in nextpnr.
 DEVICES = {
@@ -162,7 +162,7 @@ def load_board(name: str, device: str = "") -> Board:
             f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
         )
     pins = {name: Pin(**pin) for name, pin in values["pins"].items()}
-    high = {name: Pin(**filled(PIN, pin)) for name, pin in values["high"].items()}
+    high = {name: Pin(**pin) for name, pin in values["high"].items()}
     for name in high:
         if not NAME.fullmatch(name) or name in PORTS:
             raise InputError(

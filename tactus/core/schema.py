@@ -2,8 +2,8 @@
 
 A declaration, such as ``tactus/scene/keys.toml``, speaks the words of JSON Schema, and a few more.
 From it come the check of a file with its messages, the values of keys that are left out, the JSON
-schema with which an editor completes and checks a file, and the tables of keys in the pages. A rule
-that involves two keys, or another file, is beyond it; the code that reads the file checks it.
+schema with which an editor completes and checks a file, and the tables of keys in the pages. The
+code that reads a file checks whatever else involves several keys, or another file.
 
 A table of the declaration is a section, or a key, for which ``rule`` holds words in one line. A key
 without ``default`` is required, unless it is ``optional``, which gives it no value. A default that
@@ -13,6 +13,8 @@ may not stand in the file, or is empty, means none. The words beside those of JS
 - ``either``: pairs of keys of which a table has exactly one.
 - ``rising``: no value of a list may be less than the one before it.
 - ``begins``: a text that begins so is allowed beside those of ``enum``. The program may know these.
+- ``only``: what other keys must be if this one is set: a list of values, which is empty where there
+  must be none, or ``"any"``. ``because`` is the reason.
 - ``name``: the type as a page and a message call it; ``shown``: the default as a page shows it.
 
 No library does all of this. jsonschema and pydantic check types, ranges and unknown names. But they
@@ -53,7 +55,7 @@ LIMITS = {
     "exclusiveMaximum": operator.lt,
 }
 # The words that an editor does not know.
-OWN = {"optional", "expected", "either", "rising", "begins", "name", "shown"}
+OWN = {"only", "because", "optional", "expected", "either", "rising", "begins", "name", "shown"}
 
 
 def load_keys(path: Path, **known: Sequence[str]) -> Rule:
@@ -73,7 +75,8 @@ def load_keys(path: Path, **known: Sequence[str]) -> Rule:
         return found
 
     def section(one: Rule) -> Rule:
-        keys = {name: rule_of(key) for name, key in one.items() if isinstance(key, dict)}
+        tables = (name for name in one if name != "only" and isinstance(one[name], dict))
+        keys = {name: rule_of(one[name]) for name in tables}
         facts = {word: value for word, value in one.items() if word not in keys}
         empty = {} if "optional" in one else {"default": dict[str, Any]()}
         return {"type": "object", **empty, **facts, "properties": keys}
@@ -212,6 +215,31 @@ def _faults_of_table(rule: Rule, value: dict[str, Any], place: str) -> Iterator[
             yield f"{where}: missing, expected {_of_type(keys[first])}, or {beside}"
 
 
+def clashes(rule: Rule, values: dict[str, Any]) -> Iterator[str]:
+    """Messages for keys of a file's sections that do not go together; see ``only``."""
+    keys: dict[str, tuple[Rule, Any]] = {}
+    for section, table in rule["properties"].items():
+        for name, key in table["properties"].items():
+            keys[f"{section}.{name}"] = key, values.get(section, {}).get(name)
+        keys[section] = table, values.get(section)
+    given = {place for place, (key, v) in keys.items() if v not in (None, key.get("default"))}
+    for place, (key, value) in keys.items():
+        for other, known in key.get("only", {}).items() if place in given else ():
+            of, there = keys[other]
+            there = "" if there is None else there
+            if known == "any":
+                choices = f"one of {', '.join(of['enum'])}" if "enum" in of else _of_type(of)
+                good, expected = other in given, choices if "." in other else f"a section [{other}]"
+            else:
+                good = there in known if known else other not in given
+                expected = " or ".join(written(one) for one in known if one != "") or "no such key"
+            if not good:
+                shown = "none" if there in ("", [], {}) else written(there)
+                beside = f"{place} {written(value)}" if "." in place else f"a section [{place}]"
+                because = f": {key['because']}" if "because" in key else ""
+                yield f"{other}: got {shown} with {beside}, expected {expected}{because}"
+
+
 def _required(rule: Rule) -> list[str]:
     """The keys without which a table must be refused."""
     keys = rule.get("properties", {})
@@ -229,8 +257,14 @@ def within(place: str, name: str) -> str:
 
 def filled(rule: Rule, value: Any) -> Any:
     """A value as it is used: with defaults, and as a float where a number is expected."""
+    if "anyOf" in rule:
+        return filled(next(one for one in rule["anyOf"] if fits(one, value)), value)
     if rule.get("type") == "number":
         return float(value)
+    if rule.get("type") == "array":
+        return [filled(rule["items"], one) for one in value]
+    if "additionalProperties" in rule:
+        return {name: filled(rule["additionalProperties"], one) for name, one in value.items()}
     if "properties" not in rule:
         return value
     # The keys that are present keep the order of the file.

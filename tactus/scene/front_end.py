@@ -16,7 +16,6 @@ from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
 from golden.trained.window import Window
 from golden.visualisation.load_profile import LoadProfile, load_profile, width_gain
 from tactus.core.finding import Finding, fault, refuse
-from tactus.scene.keys import KEYS
 from tactus.scene.scale import AUTO
 
 
@@ -102,17 +101,6 @@ def front_end(scene: dict[str, Any], path: Path) -> FrontEnd | None:
     if "front_end" not in scene:
         return None
     values, clock_mhz = scene["front_end"], scene["hardware"]["clock_mhz"]
-    own = KEYS["front_end"]["sample_at"]["default"]
-    if values["converter"] and values["sample_at"] != own:
-        raise InputError(
-            f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
-            f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
-        )
-    reference = values["reference"]
-    if reference and not values["converter"]:
-        raise InputError(
-            f"{path}: front_end.reference: got {reference:g} without a converter, expected none"
-        )
     found = FrontEnd(**values, clock_mhz=clock_mhz)
     shortest = 1 << found.counter_width
     low, high = (_hertz(clock_mhz) / clocks for clocks in (MOST_SCAN_CLOCKS, shortest))

@@ -8,7 +8,6 @@ from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
-from golden.networks.engine import Engine
 from golden.numbers.precision import EXACT, PRECISIONS
 from tactus.core.schema import written
 from tactus.scene.data import read_window
@@ -31,20 +30,18 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
     framed = hardware["interface"] == "axi_stream"
     around: list[str] = [s for s in ("front_end", "visualisation") if s in values]
-    if framed and around:
-        raise InputError(
-            f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
-            "expected stream"
-        )
     count = len(values["data"]["outputs"])
     if hardware["argmax"] and count < 2:
         raise InputError(
             f"{path}: hardware.argmax: got true for {count} output, expected false: argmax "
             "compares 2 outputs or more"
         )
-    check_uart(values, path)
     unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
-    check_reload(hardware, [] if "uart" in values else unloaded, path)
+    if hardware["reload"] and unloaded and "uart" not in values:
+        raise InputError(
+            f"{path}: hardware.reload: got true with {unloaded[0]}, expected false: only a "
+            "section [uart] can load an engine that has something around it"
+        )
     if design is None or design.stream == "serial":
         return
     reasons = {
@@ -68,36 +65,6 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
         raise InputError(
             f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
         )
-
-
-def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a serial line without an instrument for it, and settings that need such a line."""
-    lined, drawn = "uart" in values, values.get("visualisation", {})
-    if lined and not values.get("front_end", {}).get("converter"):
-        raise InputError(
-            f"{path}: front_end.converter: got none with a section [uart], expected a part: the "
-            "line is that of an instrument with a converter of its own"
-        )
-    if drawn.get("analogue") and not lined:
-        raise InputError(
-            f"{path}: visualisation.analogue: got {drawn['analogue']!r} without a section [uart], "
-            "expected one: it belongs to the same instrument"
-        )
-
-
-def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> None:
-    """Refuse settings that cannot be combined with an engine that can be reloaded."""
-    if hardware["reload"] and around:
-        raise InputError(
-            f"{path}: hardware.reload: got true with {around[0]}, expected false: only a "
-            "section [uart] can load an engine that has something around it"
-        )
-    for key in ("program_words", "operand_words", "table_blocks"):
-        if hardware[key] and not hardware["reload"]:
-            raise InputError(
-                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected "
-                "hardware.reload = true, or no such key"
-            )
 
 
 def design_options(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
@@ -182,11 +149,6 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 def demand(hardware: dict[str, Any], path: Path) -> Demand:
     rate, interval = hardware["frames_a_second"], hardware["interval"]
     if rate:
-        if interval:
-            raise InputError(
-                f"{path}: hardware.frames_a_second: got {rate:g} with interval {interval}, "
-                "expected one of the two"
-            )
         interval = int(1e6 * hardware["clock_mhz"] / rate)
         if interval < 1:
             raise InputError(
@@ -197,12 +159,6 @@ def demand(hardware: dict[str, Any], path: Path) -> Demand:
 
 
 def price(hardware: dict[str, Any], path: Path) -> Price:
-    for key in ("device", "prices"):
-        if hardware.get(key) and hardware["design"] != UNDECIDED:
-            raise InputError(
-                f"{path}: hardware.{key}: got {written(hardware[key])} with design "
-                f"{hardware['design']!r}, expected design {UNDECIDED!r}"
-            )
     found, prices = shares_of(hardware["device"] or DEFAULT), hardware.get("prices")
     if prices is None:
         return found
@@ -211,29 +167,11 @@ def price(hardware: dict[str, Any], path: Path) -> Price:
     return Price(DEVICES[found.device.name], **prices, shares=False)
 
 
-# What an engine that learns has, for each key of [hardware] that could ask for something else.
-ONLY: dict[str, tuple[object, ...]] = {
-    "design": (Engine.block,),
-    "interface": ("stream",),
-    "argmax": (False,),
-    "lanes": (None, 1),
-    "pipeline": ("", "short"),
-    "reload": (False,),
-    "segment_width": (0,),
-}
-
-
 def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
     hardware, network, data = (values[name] for name in ("hardware", "network", "data"))
     if not hardware["learning"]:
         return
     got = f"with learning {hardware['learning']!r}"
-    for key, known in ONLY.items():
-        if hardware.get(key) not in known:
-            raise InputError(
-                f"{path}: hardware.{key}: got {written(hardware[key])} {got}, expected "
-                f"{written(known[-1])}"
-            )
     alone = network["arrangement"] == "single" and len(data["outputs"]) == 1
     if network["arrangement"] != "cascade" and not alone:
         raise InputError(
@@ -246,8 +184,5 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.learning: got {hardware['learning']!r} and a section "
             f"[{around[0]}], expected [uart] too, through which the known outputs come"
         )
-    past = [*["window"] * (not read_window(data, path).plain), *["classes"] * bool(data["classes"])]
-    if past:
-        raise InputError(
-            f"{path}: data.{past[0]}: got {written(data[past[0]])} {got}, expected none"
-        )
+    if not read_window(data, path).plain:
+        raise InputError(f"{path}: data.window: got {written(data['window'])} {got}, expected none")

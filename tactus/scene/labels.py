@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.dense import DenseNetwork
-from tactus.core.schema import written
 from tactus.core.table import as_number, read_texts, rows_where
 from tactus.network_files.network_file import provenance_path, read_provenance
 from tactus.scene.scale import Scale
@@ -36,28 +35,6 @@ MISSING = ("nan", "<na>")
 BEYOND = 1.25
 
 _WHOLE = re.compile(r"[-+]?[0-9]+")
-
-
-def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
-    """Refuse keys that cannot be combined with classes."""
-    data, network = values["data"], values["network"]
-    classes = data["classes"]
-    if classes in data["sensors"]:
-        raise InputError(
-            f"{path}: data.classes: got {classes!r}, a sensor, expected a column that data.sensors "
-            "does not have"
-        )
-    for key in ("full_scale", "length_mm", "reference"):
-        if data[key]:
-            raise InputError(
-                f"{path}: data.{key}: got {written(data[key])} with data.classes, expected none: a "
-                "class is right or wrong"
-            )
-    if network["arrangement"] != "single":
-        raise InputError(
-            f"{path}: network.arrangement: got {network['arrangement']!r} with data.classes, "
-            "expected 'single': one network has an output for each class"
-        )
 
 
 def read_labels(

@@ -6,17 +6,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
 from tactus.core.files import named_file
-from tactus.core.finding import Finding, collect_faults, refuse
+from tactus.core.finding import Finding, collect_faults, fault, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import read_checked
+from tactus.core.schema import clashes, read_checked
 from tactus.scene.data import check_data, check_window, data_paths, read_window
 from tactus.scene.front_end import front_end, uart, visualisation
 from tactus.scene.hardware import check_activation, demand, design_options, price
 from tactus.scene.keys import SCENE
-from tactus.scene.labels import check_classes, output_names, read_labels
+from tactus.scene.labels import output_names, read_labels
 from tactus.scene.network import members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
@@ -92,21 +93,24 @@ def _note(text: str) -> None:
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     data, hardware = values["data"], values["hardware"]
+    found = [fault(f"{path}: {text}") for text in clashes(SCENE, values)]
     paths = data_paths(data, path)
-    where = {
-        name: value if isinstance(value, str) else float(value)
-        for name, value in data["where"].items()
-    }
     if data["classes"]:
-        check_classes(values, path)
-        labels = read_labels(paths, where, data["classes"])
+        refuse(found)
+        if data["classes"] in data["sensors"]:
+            raise InputError(
+                f"{path}: data.classes: got {data['classes']!r}, a sensor, expected a column that "
+                "data.sensors does not have"
+            )
+        labels = read_labels(paths, data["where"], data["classes"])
         outputs = output_names(data["classes"], labels)
         # A one-hot target of 1 is full scale.
         full_scale = dict.fromkeys(outputs, 1.0)
-        found = {"outputs": outputs, "full_scale": full_scale, "labels": labels}
-        data = values["data"] = data | found
+        read = {"outputs": outputs, "full_scale": full_scale, "labels": labels}
+        data = values["data"] = data | read
     check_data(data, path)
-    as_written = ("design", "activation_options", "clock_mhz", "interface", "argmax", "learning")
+    of_data = ("classes", "full_scale", "group_by", "length_mm", "reference", "units", "where")
+    of_hardware = ("design", "activation_options", "clock_mhz", "interface", "argmax", "learning")
     return Scene(
         name=path.stem,
         path=path,
@@ -114,19 +118,16 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         labels=data.get("labels", ()),
-        where=where,
-        full_scale={name: float(s) for name, s in data["full_scale"].items()},
-        length_mm={name: float(s) for name, s in data["length_mm"].items()},
-        ends=tuple(map(float, data["ends"])),
+        ends=tuple(data["ends"]),
         arrangement=values["network"]["arrangement"],
         precision=PRECISIONS[hardware["precision"]],
-        **{key: data[key] for key in ("classes", "group_by", "units", "reference")},
-        **{key: hardware[key] for key in as_written},
-        **_parts(values, path),
+        **{key: data[key] for key in of_data},
+        **{key: hardware[key] for key in of_hardware},
+        **_parts(values, path, found),
     )
 
 
-def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
+def _parts(values: dict[str, dict[str, Any]], path: Path, found: list[Finding]) -> dict[str, Any]:
     """Those attributes of a scene that are checked while they are made."""
     data, hardware = values["data"], values["hardware"]
     parts: dict[str, Any] = {}
@@ -148,7 +149,6 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
         "visualisation": lambda: visualisation(values, path),
         "uart": lambda: uart(values, path),
     }
-    found: list[Finding] = []
     for name, make in made.items():
         with collect_faults(found):
             parts[name] = make()
