@@ -240,8 +240,7 @@ def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, capsys) -> N
     copy = load_scene(str(tmp_path / "to" / "digit.toml"))
     printed = capsys.readouterr().out
     for name in scene.outputs:
-        figure = r"(\S+) \+- *\S+"
-        line = rf"^{name} +{figure} +{figure} +(\S+) +>99 %$"
+        line = rf"^{name} +(\S+) +(\S+) +(\S+) +>99 %$"
         before, after, recorded = map(float, re.search(line, printed, re.M).groups())
         assert before > 5 * after
         assert after < 2 * recorded

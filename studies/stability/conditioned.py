@@ -146,7 +146,8 @@ def recalibration() -> Iterator[Row]:
             )
             if len(rows) > 1:
                 sure = outlook(recorded, found)
-                off = int(not np.isfinite([*sure.before, *sure.after, *sure.chances]).all())
+                figures = [*sure.before, *sure.after, *sure.chances[0]]
+                off = int(not np.isfinite(figures).all())
                 yield Row("recalibration", case, "give an outlook", "not finite", off, 0)
 
 

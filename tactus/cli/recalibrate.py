@@ -254,25 +254,16 @@ def tell_left_out(scene: Scene, placements: Placements, left: LeftOut) -> None:
 
 
 def tell_outlook(scene: Scene, recorded: Sensitivity, ahead: Outlook) -> None:
-    """Print the errors that are expected over the recording, with their standard deviations."""
+    """Print the errors that are expected over the recording."""
     print("\nroot mean squares of errors in % that are expected over the recording, in floating")
-    print("point, each with its standard deviation; 'gain' is how likely the correction gains:")
-    print(f"{'output':16}{'uncorrected':>18}{'corrected':>18}{'recorded':>12}{'gain':>10}")
-    parts = (
-        scene.outputs,
-        ahead.before,
-        ahead.before_unsure,
-        ahead.after,
-        ahead.after_unsure,
-        recorded.error,
-        ahead.chances,
-    )
-    for name, before, before_sd, after, after_sd, own, chance in zip(*parts, strict=True):
-        print(
-            f"{name:16}{before:9.2f} +-{before_sd:6.2f}{after:9.2f} +-{after_sd:6.2f}{own:12.2f}"
-            f"{_percent(chance):>10}"
-        )
-    print(f"{'all':74}{_percent(ahead.chance):>10}")
+    print("point; 'gain' is how likely the correction gains:")
+    print(f"{'output':16}{'uncorrected':>12}{'corrected':>12}{'recorded':>12}{'gain':>10}")
+    chance, *chances = ahead.chances[0]
+    parts = scene.outputs, ahead.before, ahead.after, recorded.error, chances
+    for name, *errors, gain in zip(*parts, strict=True):
+        cells = "".join(f"{error:12.2f}" for error in errors)
+        print(f"{name:16}{cells}{_percent(gain):>10}")
+    print(f"{'all':52}{_percent(chance):>10}")
 
 
 def _percent(chance: float) -> str:

@@ -13,9 +13,9 @@ M t)``. The ratio of the two determines how likely the output gets better. Befor
 read, ``t`` has a normal distribution around 0 with covariance ``I - C``, and everything else is the
 same.
 
-The errors after placements are computed for randomly drawn drifts, because the outputs are not
-linear. Each drift determines the readings that the sensors would have given in the recording, and
-the networks compute the outputs for them.
+The errors that are expected after a correction follow from ``C``. Those without one are computed at
+the most likely drift, because the outputs are not linear: it determines the readings that the
+sensors would have given in the recording, and the networks compute the outputs for them.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from golden.numbers.real import Real
@@ -41,8 +40,8 @@ BY_CHANCE = 0.01
 # Placements are called enough if they surely correct this part of the expected drifts.
 ENOUGH = 0.9
 
-# The number of drifts that are drawn, and the most rows of the recording on which they are tried.
-DRAWS, MOST_ROWS = 200, 500
+# The number of drifts that are drawn.
+DRAWS = 200
 
 # The least variance that placements explain, in squares of the expected drift.
 LEAST_KNOWN = 1e-9
@@ -53,26 +52,28 @@ LEAST_GAIN = 0.1
 
 @dataclass(frozen=True)
 class Outlook:
-    """The expectation over the recording.
+    """The expectation over the recording for one correction, or for several that may come.
 
-    before, after, shape (outputs,): Expected root mean square errors without and with the
-        correction, in percent.
-    before_unsure, after_unsure, shape (outputs,): The standard deviations of these errors.
-    chance, chances, shape (outputs,): Probability that the correction lowers the mean square of all
-        outputs, and of each output.
+    before, after, shape (outputs,): Expected root mean square errors without and with a correction,
+        in percent.
+    chances, shape (corrections, 1 + outputs): Probability that each correction lowers the mean
+        square of all outputs, and of each output.
     """
 
     before: Real
     after: Real
-    before_unsure: Real
-    after_unsure: Real
-    chance: float
     chances: Real
 
     @property
-    def sure(self) -> bool:
-        """Whether the correction surely improves the outputs."""
-        return bool(_sure(np.array([self.chance, *self.chances])))
+    def sure(self) -> float:
+        """The part of the corrections that surely improve the outputs."""
+        needed = np.array([SURE, *[EACH_SURE] * len(self.after)])
+        return float((self.chances >= needed).all(axis=1).mean())
+
+    @property
+    def enough(self) -> bool:
+        """Whether the placements behind it are called enough."""
+        return self.sure >= ENOUGH
 
 
 def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftOut) -> bool:
@@ -85,72 +86,37 @@ def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftO
     return (
         by_chance(recorded, placements) < BY_CHANCE
         and left.improves
-        and outlook(recorded, found).sure
+        and outlook(recorded, found).enough
     )
-
-
-@dataclass(frozen=True)
-class Planned:
-    """The expectation over the recording before any placement is read.
-
-    before, after, shape (outputs,): As in ``Outlook``, but computed from the derivatives.
-    sure: The part of the expected drifts that would surely be corrected.
-    """
-
-    before: Real
-    after: Real
-    sure: float
-
-    @property
-    def enough(self) -> bool:
-        """Whether these placements are called enough."""
-        return self.sure >= ENOUGH
 
 
 def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
     """The expectation for a correction that was fitted to placements."""
     vectors = recorded.scene.vectors()
-    rows = spread_out(len(vectors.inputs), MOST_ROWS)
-    samples, targets, scale = vectors.inputs[rows], vectors.targets[rows], vectors.scale[rows]
-    rng, root = np.random.default_rng(1), found.root
-    errors = np.empty((2, DRAWS, targets.shape[1]))
-    for draw in range(DRAWS):
-        theta = found.theta + root @ rng.standard_normal(len(root))
-        now = recorded.drifted(samples, theta, LEAST_GAIN)
-        for part, given in enumerate((now, recorded.moved(now, found.theta))):
-            percent = 100 * (recorded.scene.process_real(given) - targets) / scale
-            errors[part, draw] = np.sqrt((percent**2).mean(axis=0))
-    before, after = errors
-    chance, *chances = _chances(recorded, found.theta[np.newaxis], root)[0]
+    now = recorded.drifted(vectors.inputs, found.theta, LEAST_GAIN)
+    errors = vectors.percent_errors(recorded.scene.process_real(now))
+    before = np.sqrt((errors**2).mean(axis=0))
     return Outlook(
-        before.mean(axis=0),
-        after.mean(axis=0),
-        before.std(axis=0),
-        after.std(axis=0),
-        float(chance),
-        np.array(chances),
+        before,
+        _expected(recorded, found.root @ found.root.T),
+        _chances(recorded, found.theta[np.newaxis], found.root),
     )
 
 
-def planned(recorded: Sensitivity, root: Real) -> Planned:
-    """The expectation for a correction that is still to be fitted, with its later ``Fit.root``."""
-    unit, own = np.eye(len(root)), recorded.error**2
-    covariance = root @ root.T
-    before, after = (
-        np.sqrt(own + np.einsum("oij,ij->o", recorded.squares, unsure))
-        for unsure in (unit, covariance)
-    )
+def planned(recorded: Sensitivity, root: Real) -> Outlook:
+    """The expectation before any placement is read, with the later ``Fit.root``."""
+    unit, covariance = np.eye(len(root)), root @ root.T
     # This is slightly more than I - C, because rounding may make an eigenvalue of I - C negative.
     known = np.linalg.cholesky(unit * (1 + LEAST_KNOWN) - covariance)
     drawn = np.random.default_rng(1).standard_normal((DRAWS, len(unit))) @ known.T
-    sure = _sure(_chances(recorded, drawn, root))
-    return Planned(before, after, float(sure.mean()))
+    before, after = (_expected(recorded, unsure) for unsure in (unit, covariance))
+    return Outlook(before, after, _chances(recorded, drawn, root))
 
 
-def _sure(chances: Real) -> NDArray[np.bool_]:
-    """Whether the probabilities for all outputs and for each, shape (..., 1 + outputs), suffice."""
-    needed = np.array([SURE, *[EACH_SURE] * (chances.shape[-1] - 1)])
-    return np.asarray((chances >= needed).all(axis=-1))
+def _expected(recorded: Sensitivity, covariance: Real) -> Real:
+    """Root mean square errors of the outputs with such a covariance of what is left of a drift."""
+    squares = np.einsum("oij,ij->o", recorded.squares, covariance)
+    return np.asarray(np.sqrt(recorded.error**2 + squares))
 
 
 def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
@@ -187,7 +153,7 @@ class Proposed:
     """
 
     row: int
-    expected: Planned
+    expected: Outlook
 
 
 def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
