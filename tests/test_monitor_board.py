@@ -24,6 +24,7 @@ from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import SerialLine
 from tactus.monitor.monitor import Monitor, csv_columns
+from tactus.monitor.ports import open_line
 from tactus.monitor.record import read_label, typed
 from tactus.monitor.twin_board import TwinBoard, nearest_row
 from tactus.network_files.network_file import write_network
@@ -87,6 +88,14 @@ def test_a_board_that_sends_no_packet_is_told(
     monkeypatch.setattr(line, "patience", 0.01)
     with pytest.raises(InputError, match=f"PORT=twin: no packet for 0.01 s: .*{said}"):
         loading.load(line, board)
+
+
+def test_a_board_of_twins_may_send_less_than_a_packet_a_second(hardware: Scene) -> None:
+    slow = replace(hardware, uart=replace(hardware.uart, baud=300, divisor=83333))
+    line = open_line("twin", None, Board(slow, slow))
+    assert line.rate < 1
+    assert len(line.read()) == line.layout.packet_bytes
+    assert line.read() == b""
 
 
 def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:

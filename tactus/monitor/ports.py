@@ -30,7 +30,8 @@ def open_line(
         )
     if port == TWIN:
         rate = float(board.instrument.packets_a_second)
-        return TwinBoard(board.hardware, rate, round(TWIN_HOLD * rate), drift, seed)
+        hold = max(1, round(TWIN_HOLD * rate))
+        return TwinBoard(board.hardware, rate, hold, drift, seed)
     return SerialLine(port, baud or board.baud)
 
 
