@@ -1,7 +1,6 @@
-"""Tests counts of cells, depth and clock, their records, and benches on cells and unknown bits."""
+"""Tests counts of cells and clock, their records, and benches on cells and unknown bits."""
 
 import re
-from graphlib import CycleError
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,6 @@ from tactus.synth.cells import (
     FLAT_FAMILY,
     SYNTHESISE,
     XILINX,
-    depth,
     synthesise,
     synthesise_flat,
 )
@@ -47,49 +45,13 @@ RECORDED = [
 EVERY_RUN = ["digit", "thesis", "digit-parallel", "digit-fast", "swing-window-cascade"]
 
 
-def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
+def cell(kind: str, inputs: list[int], output: int) -> dict:
     return {
         "type": kind,
-        "parameters": parameters,
+        "parameters": {},
         "port_directions": {"I": "input", "O": "output"},
         "connections": {"I": inputs, "O": [output]},
     }
-
-
-def test_depth_counts_luts_between_registers() -> None:
-    cells = {
-        "a": cell("LUT2", [1, 2], 3),
-        "carry": cell("MUXCY", [3], 4),
-        "b": cell("LUT4", [4], 5),
-        "keep": cell("FDRE", [5], 6),
-        "c": cell("LUT1", [6], 7),
-    }
-    assert depth({"cells": cells}) == 2
-    cells["keep"]["type"] = "LUT1"
-    assert depth({"cells": cells}) == 4
-    assert depth({"cells": {}}) == 0
-
-
-def test_a_lut_of_two_outputs_counts_where_an_output_depends_on_an_input() -> None:
-    """In a sum of three operands what a bit carries does not depend on what is carried into it."""
-
-    def bit(number: int, table: int) -> dict:
-        pins = {"I0": [1], "I3": [9 + number], "O5": [10 + number], "O6": [20 + number]}
-        return {
-            "type": "LUT6_2",
-            "parameters": {"INIT": f"{table:064b}"},
-            "port_directions": {pin: "output" if pin[0] == "O" else "input" for pin in pins},
-            "connections": pins,
-        }
-
-    # O6 is I0 xor I3. O5 is I0, or the same as O6.
-    for table, levels in ((0x55AA55AA_AAAAAAAA, 2), (0x55AA55AA_55AA55AA, 5)):
-        assert depth({"cells": {f"bit {n}": bit(n, table) for n in range(5)}}) == levels
-
-
-def test_a_loop_is_an_error() -> None:
-    with pytest.raises(CycleError):
-        depth({"cells": {"a": cell("LUT1", [2], 1), "b": cell("LUT1", [1], 2)}})
 
 
 def register(data: object, out: int, clock: int = 1, reset: object = "0") -> dict:
@@ -269,7 +231,7 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
     path.write_text("scene,entity\nmine,one\n")
     with pytest.raises(InputError, match=r"mine\.cells\.csv: got columns scene, entity, exp"):
         read_budget(scene)
-    path.write_text(f"scene,{','.join(COLUMNS)}\nmine,xc7,one,few{',0' * 6}\n")
+    path.write_text(f"scene,{','.join(COLUMNS)}\nmine,xc7,one,few{',0' * 5}\n")
     with pytest.raises(InputError, match=r"mine\.cells\.csv:2: .*expected numbers"):
         read_budget(scene)
 

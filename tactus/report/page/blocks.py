@@ -20,11 +20,9 @@ from tactus.report.measure.table import markdown
 from tactus.report.page.sign_off import sheet
 from tactus.scene import Scene
 from tactus.synth.budget import Cells, is_recorded, read_budget, shares
-from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, KINDS, flat_name
+from tactus.synth.cells import FAMILIES, FLAT_FAMILY, KINDS, flat_name
 from tactus.synth.timing import read_timing
 from tactus.verify.benches.collected import CASES, case_scene
-
-COLUMNS = [*KINDS, DEPTH]
 
 
 def recorded() -> Iterator[tuple[Scene, Cells]]:
@@ -51,14 +49,14 @@ def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
         [
             FAMILIES[family].split(",")[0],
             f"{scene}, `{entity}`",
-            *(found[column] for column in COLUMNS),
+            *(found[column] for column in KINDS),
         ]
         for family, (_, scene, entity, found) in best.items()
     ]
     return (
         "For each family, the table shows the entity of this block with the most LUTs in any\n"
         "scene, with its parts included (`make synth`):\n\n"
-        + markdown(" | ".join(["family | scene, entity", *COLUMNS]), rows)
+        + markdown(" | ".join(["family | scene, entity", *KINDS]), rows)
     )
 
 
@@ -66,7 +64,7 @@ def scene_table() -> str:
     """A table with a line for each scene: cells, shares of the thesis' device, and clock."""
     heads = (
         "scene | LUT, entity by entity | LUT, in one piece | flip-flop | multiplier | block RAM | "
-        "depth | % LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us | "
+        "% LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us | "
         "frames a second"
     )
     rows = []
@@ -84,7 +82,7 @@ def scene_table() -> str:
             scene.name,
             top["LUT"],
             cells[FLAT_FAMILY][flat_name(design.entity)]["LUT"],
-            *(top[kind] for kind in ("flip-flop", "multiplier", "block RAM", DEPTH)),
+            *(top[kind] for kind in ("flip-flop", "multiplier", "block RAM")),
             *percents,
             design.clocks_after_samples,
             timing.clock_mhz,

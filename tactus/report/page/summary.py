@@ -16,7 +16,7 @@ from tactus.scene import Scene, thesis_figures
 from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, ranges
 from tactus.scene.metrics import millimetres
 from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
-from tactus.synth.cells import DEPTH, FAMILIES, KINDS
+from tactus.synth.cells import FAMILIES, KINDS
 from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
 from tactus.synth.tools import digest
 from tactus.train.split import unused_text
@@ -57,16 +57,15 @@ def costs(scene: Scene) -> Costs | None:
 
 
 def blocks(scene: Scene, design: Network, found: Costs) -> Table:
-    columns = [*KINDS, DEPTH]
     rows: list[list[Cell]] = [
-        [family, name, count, *(cells[column] for column in columns)]
+        [family, name, count, *(cells[column] for column in KINDS)]
         for family in FAMILIES
         for name, count, cells in by_block(design, found.cells, family)
     ]
     meaning = "; ".join(f"{family} is {text}" for family, text in FAMILIES.items())
     return Table(
         "blocks",
-        ["family", "largest entity", "entities", *columns],
+        ["family", "largest entity", "entities", *KINDS],
         rows,
         f"For each block of scene {scene.name}, the entity with the most LUTs, with everything "
         f"that it contains, and the number of entities. Yosys counted the cells and kept the "
