@@ -92,7 +92,9 @@ def program_rows() -> str:
             DenseNetwork(tuple(_pruned(layer, part) for layer in one.layers)) for one in networks
         ]
     programs["a node of each network is dead: no output reads it"] = [
-        DenseNetwork((first, replace(second, weights=second.weights * np.eye(first.nodes)[0])))
+        DenseNetwork(
+            (first, replace(second, weights=second.weights * (np.arange(first.nodes) > 0)))
+        )
         for first, second in (one.layers for one in networks)
     ]
     rows = []
