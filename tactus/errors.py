@@ -270,37 +270,13 @@ def held_out_or_all(scene: Scene, every: Decisions) -> tuple[Decisions, str]:
     return every, f"all {len(every.actual)} rows"
 
 
-def held_out_line(scene: Scene, every: Decisions) -> str:
-    """A text about the decisions on held-out rows, which are some of ``every``."""
-    held = held_out_rows(scene)
-    if held is not None:
-        return every.take(held).text
+def held_out_before(scene: Scene) -> str:
+    """What is known of the decisions of a scene without held-out rows on rows held out before."""
     stories = provenances(scene)
     if stories is None:
         return UNKNOWN
     wrong = stories[0].get("test_wrong_percent")
-    return (
-        f"none any more, the network was trained on with all; before, {100 - wrong:.1f} % were "
-        "right"
-        if wrong is not None
-        else "unknown"
-    )
-
-
-def lines_of(scene: Scene) -> list[str]:
-    """The decisions of a scene, and the confusion matrix with what is right of each class."""
-    every = decisions_of(scene)
-    found, rows = held_out_or_all(scene, every)
-    counts = found.confusion
-    wide = max(6, *map(len, found.labels))
-    lines = [
-        f"decisions                 {every.text}",
-        f"decisions, held out       {held_out_line(scene, every)}",
-        f"{scene.classes} of the row (down) and as decided (across), {rows}:",
-        " ".join(f"{text:>{wide}}" for text in ("", *found.labels, "right")),
-    ]
-    for label, row, own in zip(found.labels, counts, counts.diagonal(), strict=True):
-        cells = (str(n) if n else "." for n in row)
-        right = percent(int(own), int(row.sum()))
-        lines.append(" ".join(f"{text:>{wide}}" for text in (label, *cells, right)))
-    return lines
+    if wrong is None:
+        return "unknown"
+    right = f"before, {100 - wrong:.1f} % were right"
+    return f"none any more, the network was trained on with all; {right}"

@@ -14,9 +14,10 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import Dense, DenseNetwork, network_of, packed, tanh, unpacked
-from tactus.errors import decisions_of, held_out_or_all, held_out_rows, lines_of, scene_errors
+from tactus.errors import decisions_of, held_out_or_all, held_out_rows, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
+from tactus.report.measure.outcome import accuracy, outcome
 from tactus.rig import check
 from tactus.rig.readings import at_ends
 from tactus.scene import class_names, load_scene
@@ -162,7 +163,7 @@ def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path) -> None:
     found = load_scene(str(path))
     assert held_out_rows(found) is None
     right = 100 - read_provenance(found.weights_paths[0])["test_wrong_percent"]
-    assert f"before, {right:.1f} % were right" in lines_of(found)[1]
+    assert f"before, {right:.1f} % were right" in accuracy(outcome(found)).note
     assert held_out_or_all(found, decisions_of(found))[1] == "all 90 rows"
 
 

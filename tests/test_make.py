@@ -374,12 +374,6 @@ def test_one_bench_by_its_command(tmp_path: Path) -> None:
         shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
 
 
-def test_the_benchmark_reports_a_ratio() -> None:
-    result = here("bench", "FRAMES=2000", "SCENE=digit-single")
-    assert result.returncode == 0, result.stderr
-    assert re.search(r"4:16:4 exact: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
-
-
 # A test of the second tier that takes less than a second.
 LEFT = "tests/test_mutate.py::test_a_selection_that_yosys_takes_out_is_an_error"
 

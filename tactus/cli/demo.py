@@ -23,7 +23,6 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import closing
 from tactus.core.progress import stage
-from tactus.errors import lines_of
 from tactus.report.page.build import build_report
 from tactus.report.page.content import bench_table
 from tactus.report.page.headline import headline
@@ -96,7 +95,6 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         told = ["", *build_report(scene).lines(), ""]
         told += [f"left out: {text}" for text in scene.twin().left_out()]
-        told += lines_of(scene) if scene.labels else []
         print("\n".join([*told, speeds(scene, results[scene.name])]))
     if len(scenes) > 1:
         print("\n".join(["", *headline().lines()]))

@@ -322,12 +322,6 @@ COMMANDS = (
         "tactus.monitor.load",
     ),
     Command(
-        "bench",
-        "Measures the speed and the memory of a scene's bit-true twin on FRAMES= frames.",
-        (SCENE, number("FRAMES", 1, 10_000_000, 1_000_000)),
-        "tactus.report.measure.benchmark",
-    ),
-    Command(
         "listing",
         "Prints the program of a scene's engine, step by step.",
         (SCENE,),
@@ -335,7 +329,7 @@ COMMANDS = (
     ),
     Command(
         "activations",
-        "Measures the errors of every activation against tanh, and plots them.",
+        "Measures the errors of every activation against tanh.",
         (),
         "tactus.report.activations",
     ),

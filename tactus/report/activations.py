@@ -1,4 +1,4 @@
-"""``python -m tactus.report.activations``: measures and draws how far activations are from tanh."""
+"""``make activations``: measures how far activations are from tanh; the site shows plots, too."""
 
 import sys
 import warnings
@@ -16,8 +16,6 @@ from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS, Precision
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
-from tactus.core.files import replace_file, write_json
-from tactus.core.machine import versions
 from tactus.report.draw.svg import svg
 from tactus.report.measure.table import Row, Table
 from tactus.scene import thesis_table
@@ -126,10 +124,6 @@ def activation_table() -> Table:
     )
 
 
-def plot_file(name: str) -> str:
-    return f"{name.replace(' ', '_')}.svg"
-
-
 def plot(name: str, scheme: Scheme) -> str:
     """The error over q as SVG, the same text on every run.
 
@@ -159,19 +153,9 @@ def plot(name: str, scheme: Scheme) -> str:
 
 
 def main() -> None:
-    arguments = arguments_of("activations", __doc__)
-    folder = arguments.build / "activations"
-    stop_if_dry_run(f"measure every activation and write its plot into {folder}")
-    table = activation_table()
-    print("\n".join(table.lines()))
-    with replace_file(folder / "errors.csv") as path:
-        table.write_csv(path)
-    data = {"versions": versions("python", "numpy", "matplotlib"), **table.as_data()}
-    write_json(folder / "errors.json", data)
-    for name, scheme in forms().items():
-        with replace_file(folder / plot_file(name)) as path:
-            path.write_text(plot(name, scheme), encoding="utf-8")
-    print(f"\nwrote {folder}/errors.csv, errors.json and plots")
+    arguments_of("activations", __doc__)
+    stop_if_dry_run("measure every activation")
+    print("\n".join(activation_table().lines()))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from tactus.errors import (
     disturbed_errors,
     disturbed_rows,
     full_scale_of,
+    held_out_before,
     held_out_or_all,
     held_out_rows,
     noises_of,
@@ -328,6 +329,7 @@ def accuracy(found: Outcome) -> Table:
     kinds = {"all rows": every}
     if found.held_out is not None:
         kinds["held-out rows"] = every.take(found.held_out)
+    before = "" if found.held_out is not None else f" Held out: {held_out_before(found.scene)}."
     rows: list[list[Cell]] = []
     for name, some in kinds.items():
         count = len(some.actual)
@@ -339,7 +341,7 @@ def accuracy(found: Outcome) -> Table:
         rows,
         "The decision is the class of the largest output, the first one of equal outputs. 'Right' "
         "is bit-true, as the hardware decides. The last column has the number of rows that "
-        "hardware and floating point decide differently.",
+        f"hardware and floating point decide differently.{before}",
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tactus.core.table import read_csv_file
+from tactus.core.table import read_csv_file, write_csv_file
 
 Cell = str | int | float | None
 # Of the random choices of the tables in reports and on pages.
@@ -78,10 +77,7 @@ class Table:
 
     def write_csv(self, path: Path) -> None:
         """Write the columns and rows with all digits. None becomes an empty cell."""
-        with path.open("w", newline="", encoding="utf-8") as handle:
-            writer = csv.writer(handle, lineterminator="\n")
-            writer.writerow(self.columns)
-            writer.writerows(self.rows)
+        write_csv_file(path, [self.columns, *self.rows])
 
     def lines(self) -> list[str]:
         """The table as text: its name, its columns side by side, and its note."""
@@ -94,7 +90,7 @@ class Table:
             ).rstrip()
             for row in text
         ]
-        return [self.name, "", *body, "", *textwrap.wrap(self.note, 100)]
+        return [self.name, "", *body, "", *textwrap.wrap(self.note, 100, break_on_hyphens=False)]
 
 
 def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:

@@ -132,6 +132,7 @@ def content(scene: Scene) -> Page:
         f"tactus: {scene.name}",
         summary.built(scene, design),
         [
+            *([accuracy(found)] if scene.labels else []),
             summary.errors(found),
             summary.cost_table(scene, design, cost, compared=bool(scene.reference)),
             *summary.in_units(scene),
@@ -144,7 +145,7 @@ def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Se
     tables = [worst_rows(found)]
     if found.scene.labels:
         wrong = wrong_rows(found)
-        tables = [accuracy(found), per_class(found), *([wrong] if wrong.rows else [])]
+        tables = [per_class(found), *([wrong] if wrong.rows else [])]
     return Section(
         "outputs",
         "Decisions" if found.scene.labels else "Errors row by row",

@@ -19,7 +19,7 @@ from tactus.boards.bitstream import Report, read_record, record_path
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import key_rows
 from tactus.errors import decisions_of, held_out_or_all
-from tactus.report.activations import activation_table, plot, plot_file
+from tactus.report.activations import activation_table, plot
 from tactus.report.designs import designs, picture_of, refused_lines
 from tactus.report.draw.network import network
 from tactus.report.measure.networks import clocks_per_frame
@@ -238,9 +238,7 @@ MADE: dict[str, Callable[[], str]] = {
     "segments": segments,
     "activation-errors": lambda: as_page(activation_table()),
     **{
-        f"errors-of-{plot_file(name).removesuffix('.svg')}": partial(
-            picture, partial(plot, name, scheme)
-        )
+        f"errors-of-{name.replace(' ', '_')}": partial(picture, partial(plot, name, scheme))
         for name, scheme in forms().items()
     },
     "pipeline": pipeline,
