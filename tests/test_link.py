@@ -1,6 +1,5 @@
 """Tests the serial line of an instrument: its twins, and the keys of a scene."""
 
-import random
 from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
@@ -339,51 +338,48 @@ DECIDED = Frame(7, (), 1, (-1,), (8191, -8192), POINT, (1, 16383))
 LEARNED = Frame(7, ("learning",), 1, (-1,), (8191,), POINT, theta=(3, -8192))
 
 
+ALL = replace(DECIDED, theta=(255, 5))
+
+
+@pytest.mark.parametrize(
+    ("layout", "frame", "text"),
+    [
+        (FrameLayout(2, 1, drawn=True), FLAGGED, "0e 07 09 1234 e000 1fff ffff 28 0001 fffe"),
+        (
+            FrameLayout(1, 2, drawn=True, decides=True),
+            DECIDED,
+            "11 07 00 0001 ffff 1fff e000 01 3fff 28 0001 fffe",
+        ),
+        (
+            FrameLayout(1, 1, drawn=True, learns=True),
+            LEARNED,
+            "0f 07 40 0001 ffff 1fff 03 e000 28 0001 fffe",
+        ),
+        (
+            FrameLayout(1, 2, True, True, True),
+            ALL,
+            "14 07 00 0001 ffff 1fff e000 01 3fff ff 0005 28 0001 fffe",
+        ),
+    ],
+)
+def test_a_frame_byte_by_byte(layout: FrameLayout, frame: Frame, text: str) -> None:
+    body, packet = bytes.fromhex(f"11 {text}"), layout.to_bytes(frame)
+    assert packet == b"\xa5" + body + bitwise(body).to_bytes(2, "big")
+    assert len(packet) == layout.packet_bytes
+    assert layout.from_payload(frame.number, packet[4:-2]) == frame
+
+
 @pytest.mark.parametrize(
     ("packet", "text"),
     [
-        (
-            FrameLayout(2, 1, drawn=True).to_bytes(FLAGGED),
-            "11 0e 07 09 1234 e000 1fff ffff 28 0001 fffe",
-        ),
-        (
-            FrameLayout(1, 2, drawn=True, decides=True).to_bytes(DECIDED),
-            "11 11 07 00 0001 ffff 1fff e000 01 3fff 28 0001 fffe",
-        ),
-        (
-            FrameLayout(1, 1, drawn=True, learns=True).to_bytes(LEARNED),
-            "11 0f 07 40 0001 ffff 1fff 03 e000 28 0001 fffe",
-        ),
         (lesson_packet(4, True, [1, -1]), "13 09 03 0001 ffff 0000 0000"),
         (lesson_packet(4, False, [1, -1, 2, -2], "theta"), "13 09 04 0001 ffff 0002 fffe"),
         (lesson_packet(1, True), "13 03 01 0000"),
     ],
 )
-def test_a_packet_byte_by_byte(packet: bytes, text: str) -> None:
+def test_a_lesson_byte_by_byte(packet: bytes, text: str) -> None:
     body = bytes.fromhex(text)
     assert packet == b"\xa5" + body + bitwise(body).to_bytes(2, "big")
-
-
-@pytest.mark.parametrize("drawn", [False, True])
-@pytest.mark.parametrize("decides", [False, True])
-@pytest.mark.parametrize("learns", [False, True])
-def test_what_is_sent_is_what_is_read(drawn: bool, decides: bool, learns: bool) -> None:
-    draw = random.Random(1)
-    for _ in range(100):
-        layout = FrameLayout(draw.randrange(2, 9), draw.randrange(1, 5), drawn, decides, learns)
-        samples, outputs = (
-            tuple(draw.randrange(-8192, 8192) for _ in range(count))
-            for count in (layout.inputs, layout.outputs)
-        )
-        point = (draw.randrange(256), draw.randrange(-8192, 8192), -5) if drawn else None
-        flags = tuple(name for name in FLAGS if draw.random() < 0.5)
-        numbers = draw.randrange(256), flags, draw.randrange(65536)
-        winner = (draw.randrange(5), draw.randrange(1 << 14)) if decides else None
-        theta = (draw.randrange(256), draw.randrange(-8192, 8192)) if learns else None
-        frame = Frame(*numbers, samples, outputs, point, winner, theta)
-        packet = layout.to_bytes(frame)
-        assert len(packet) == layout.packet_bytes
-        assert layout.from_payload(frame.number, packet[4:-2]) == frame
 
 
 def test_what_is_too_long_is_refused() -> None:

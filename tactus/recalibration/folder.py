@@ -160,26 +160,18 @@ def _scene_text(scene: Scene, data: str) -> str:
     text = scene.path.read_text(encoding="utf-8")
     raw = tomllib.loads(text)
     given = raw["network"]["weights"]
-    names = [str(_own(Path(name))) for name in listed(given)]
-    weights = names if isinstance(given, list) else names[0]
+    names = {name: str(_own(Path(name))) for name in listed(given)}
+    weights = [names[name] for name in listed(given)] if isinstance(given, list) else names[given]
     wanted = raw | {
         "data": raw["data"] | {"file": data},
         "network": raw["network"] | {"weights": weights},
     }
-    text = re.sub(r"(?m)^(\s*file\s*=\s*).*?(?=\s*(#.*)?$)", rf'\g<1>"{data}"', text, count=1)
-    text = re.sub(
-        r"(?ms)^(\s*weights\s*=\s*)(\[.*?\]|[^\n]*?)(?=\s*(#[^\n]*)?$)",
-        lambda match: match[1] + json.dumps(weights, ensure_ascii=False),
-        text,
-        count=1,
-    )
-    try:
-        same = tomllib.loads(text) == wanted
-    except tomllib.TOMLDecodeError:
-        same = False
-    if not same:
+    for old, new in {raw["data"]["file"]: data, **names}.items():
+        quoted = json.dumps(new, ensure_ascii=False).replace("\\", r"\\")
+        text = re.sub(rf"(['\"]){re.escape(old)}\1", quoted, text)
+    if tomllib.loads(text) != wanted:
         raise InputError(
             f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
-            'expected lines file = "..." and weights = "..." or a list'
+            "expected each name between quotes, and nowhere else"
         )
     return f"{_title(scene)}\n# that of the scene as the sensors would give it now.\n{text}"
