@@ -175,7 +175,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
 def test_a_search_for_layers_beside_fixed_activations_is_refused(tmp_path: Path) -> None:
     path = scene_of(tmp_path, "layers = [1, 2]\n")
     path.write_text(path.read_text().replace("hidden = [4, 4]", 'activations = ["relu"]'))
-    message = "mine.toml: training.layers: got [1, 2] with network.activations ['relu'], expected"
+    message = "mine.toml: network.activations: got ['relu'] with training.layers [1, 2], expected"
     with pytest.raises(InputError, match=re.escape(message)):
         load_scene(str(path))
 

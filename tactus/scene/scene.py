@@ -44,7 +44,7 @@ STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene, read and checked. Attributes with the names of keys are explained there.
+    """One scene, read and checked. ``keys.toml`` explains attributes with the names of keys.
 
     data_paths: The recordings. No recording is the continuation of another.
     outputs: If there are classes, each of them is an output.
