@@ -14,18 +14,18 @@ from hypothesis import strategies as st
 from shared import Shared, copied_job
 
 from golden.activation.abs_unit import AbsUnit
-from golden.common.block import Block
+from golden.common.block import Block, walk
 from golden.common.border import Border, State
 from golden.common.port import Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.weighted_sum import closest
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
-from tactus.verify.benches.collected import BENCHES, PROOFS, properties_of
+from tactus.verify.benches.collected import BENCHES, CASES, PROOFS, properties_of
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.sign_off import equal, prove, record
-from tactus.verify.sign_off.equal import Pair, compare, netlist_of
-from tactus.verify.sign_off.equal_netlist import list_lengths, synthesise, to_verilog
+from tactus.verify.sign_off.equal import Pair, compare, netlists_of
+from tactus.verify.sign_off.equal_netlist import netlists, to_verilog
 from tactus.verify.sign_off.netlist import KIND as NETLIST
 from tactus.verify.sign_off.netlist import SCENES, families_of
 from tactus.verify.sign_off.record import (
@@ -71,8 +71,8 @@ def test_records_of_a_case_are_of_this_verilog(shared: Shared, name: str) -> Non
 
 @pytest.mark.parametrize("block", BENCHES)
 def test_records_of_a_block_are_of_this_source(shared: Shared, block: str) -> None:
-    pair = equal.Pair(shared.subject(block), shared.subject(block, "ghdl"))
-    assert equal.check_record(pair) == []
+    for case in equal.cases(block):
+        assert Pair(*(shared.subject(block, s, case) for s in ("icarus", "ghdl"))).stale() == []
     if block in PROOFS:
         planned = prove.entities(block, lambda block, case: shared.subject(block, case=case))
         assert prove.check_record(planned) == []
@@ -352,10 +352,23 @@ def pair(shared: Shared) -> Callable[[str], Pair]:
 
 @pytest.mark.parametrize("block", QUICK)
 def test_equal(pair: Callable[[str], Pair], block: str) -> None:
-    (result,) = equal.settle([pair(block)])
-    assert result.complaints == []
+    ((both, differ),) = equal.settle([pair(block)])
+    assert differ == []
     facts = read_record(equal.KIND, block)
-    assert {**facts, "yosys": ""} == {**short(result.facts()), "yosys": ""}
+    assert {**facts, "yosys": ""} == {**short(both.facts()), "yosys": ""}
+
+
+@pytest.mark.all_only
+def test_every_part_is_compared_in_some_case(shared: Shared) -> None:
+    compared = {
+        part.block
+        for block in BENCHES
+        for case in equal.cases(block)
+        for part in walk(shared.scene(case).twin())
+        if part.block == block
+        for part in walk(part)
+    }
+    assert {part.block for case in CASES for part in walk(shared.scene(case).twin())} == compared
 
 
 @pytest.mark.parametrize("block", tiered(PLAYED, OF_EACH_AREA))
@@ -367,7 +380,7 @@ def test_the_netlist_of_the_vhdl_passes_the_bench(
     job = replace(both.verilog, build=tmp_path)
     shutil.copytree(both.verilog.hdl_folder, job.hdl_folder)
     for entity in both.entities:
-        text = f"`timescale 1ns/10ps\n{to_verilog(*netlist_of(both, entity))}"
+        text = f"`timescale 1ns/10ps\n{to_verilog(netlists_of(both.vhdl.hdl_folder)[entity])}"
         (job.hdl_folder / f"{entity}.v").write_text(text)
     outcome = run_job(job)
     assert outcome.passed, outcome.complaint()
@@ -379,10 +392,10 @@ def test_a_record_of_another_source_is_stale(
     both = pair("output_controller")
     facts = read_record(equal.KIND, "output_controller")
     monkeypatch.setattr(record, "RECORDS", tmp_path)
-    (complaint,) = equal.check_record(both)
+    (complaint,) = both.stale()
     assert complaint.endswith(record.PROVE.format("output_controller"))
     record.write_record(equal.KIND, "output_controller", {**facts, "source": "another"})
-    (complaint,) = equal.check_record(both)
+    (complaint,) = both.stale()
     assert "is of another source" in complaint
     assert complaint.endswith(record.PROVE.format("output_controller"))
 
@@ -452,8 +465,7 @@ def small(tmp_path: Path, vhdl: str) -> str:
     """GHDL's netlist of the small entity as Verilog."""
     text = VHDL.replace("{vhdl}", vhdl)
     (tmp_path / "small.vhd").write_text(text)
-    module = synthesise([tmp_path / "small.vhd"], "small", tmp_path)["small"]
-    return to_verilog(module, list_lengths(text))
+    return to_verilog(netlists([tmp_path / "small.vhd"], "small")["small"])
 
 
 @pytest.mark.parametrize("what", MEANT)

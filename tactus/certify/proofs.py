@@ -18,7 +18,6 @@ import ast
 import json
 import re
 import subprocess
-import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -31,7 +30,7 @@ from tactus.verify.benches.collected import properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.every_frame.specify import description
 from tactus.verify.sign_off.equal import WRITES, WRITES_TEXT, proof_script
-from tactus.verify.sign_off.equal_netlist import dump, list_lengths, read_dump, to_verilog
+from tactus.verify.sign_off.equal_netlist import dump, read_dump, to_verilog
 from tactus.verify.sign_off.solver import FLATTEN, formula_script
 from tb.common.properties import Property
 
@@ -44,16 +43,14 @@ def write_equality(folder: Path, top: str) -> None:
     """Write ``equal`` below a folder that holds ``design``."""
     vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
     equal.mkdir()
-    with tempfile.TemporaryDirectory() as work:
-        printed = dump([vhdl / name for name in compile_order(vhdl)], top, Path(work))
-    text = _COMMENT.sub("", printed)
-    modules = read_dump(text)
+    sources = [vhdl / name for name in compile_order(vhdl)]
+    text = _COMMENT.sub("", dump(sources, top))
+    modules = read_dump(text, sources)
     said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
     files = {NETLIST: text, "ghdl.txt": f"{said.stdout.splitlines()[0]}\n", WRITES: WRITES_TEXT}
     for file in compile_order(verilog):
         entity = Path(file).stem
-        source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
-        files[file] = to_verilog(modules[entity], list_lengths(source))
+        files[file] = to_verilog(modules[entity])
         proof = proof_script(
             entity,
             (verilog / file).read_text(encoding="utf-8"),

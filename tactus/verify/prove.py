@@ -41,7 +41,7 @@ from tactus.verify.every_frame.sequences import before
 from tactus.verify.every_frame.specify import description
 from tactus.verify.every_frame.verdict import PROVED, UNKNOWN, Verdict, judge
 from tactus.verify.sign_off import prove as blocks
-from tactus.verify.sign_off.equal_netlist import dump, list_lengths, read_dump, to_verilog
+from tactus.verify.sign_off.equal_netlist import netlists, to_verilog
 
 yosys = partial(run_tool, "yosys")
 
@@ -53,13 +53,10 @@ def hardware(folder: Path, entity: str, language: str = "verilog") -> Netlist:
         if language == "verilog":
             return read_verilog(files, entity, yosys)
         with tempfile.TemporaryDirectory() as made:
-            modules = read_dump(dump(files, entity, Path(made)))
             written = []
-            for name, module in modules.items():
-                source = folder / f"{name}.vhd"
-                lists = list_lengths(source.read_text(encoding="utf-8")) if source.exists() else {}
+            for name, module in netlists(files, entity).items():
                 written.append(Path(made) / f"{name}.v")
-                written[-1].write_text(to_verilog(module, lists), encoding="utf-8")
+                written[-1].write_text(to_verilog(module), encoding="utf-8")
             return read_verilog(written, entity, yosys)
     except (NotReadableError, ValueError) as error:
         raise InputError(f"{folder}: {error}") from None

@@ -27,6 +27,8 @@ from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, random_voltages
 
 CASES = cases("uarts", "winner-uart")
+# An instrument that learns takes lessons from the line.
+COMPARED = ("learn-uart",)
 
 # How many scans are played with traffic on the line, and after an image.
 SCANS = 12

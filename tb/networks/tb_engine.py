@@ -35,6 +35,8 @@ CASES = cases(
 # one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
 # add is in lane_round alone, whose properties are proved of these.
 ALSO = ("steep-engine", "rails-lanes", "relu-lanes")
+# Several lanes read their steps from a part that one lane does not have.
+COMPARED = ("rails-lanes",)
 # The first case has a layer of tanh on one lane. Then come several layers with ReLU; tanh on three
 # lanes, and ReLU on eight without a table; tables of several functions and of a single one;
 # quantised networks, and registers behind the memories; and programs that are loaded, into one lane

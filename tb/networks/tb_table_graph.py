@@ -26,6 +26,7 @@ __all__ = ["recorded", "reset_at_every_clock", "resets_among_frames"]
 CASES = cases("table-graphs")
 # A network that finds its largest output.
 PROVED = ("argmax-tables",)
+COMPARED = PROVED
 
 
 def every_code(bench):

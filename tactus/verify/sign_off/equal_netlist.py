@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,8 +52,14 @@ class Gate:
 
 @dataclass
 class Module:
+    """An entity.
+
+    ports: The direction and the width of each.
+    lists: The number of elements of each array signal. GHDL makes one wire of an array.
+    """
+
     name: str
-    # The direction and the width of each port.
+    lists: dict[str, int]
     ports: dict[str, tuple[str, int]] = field(default_factory=dict)
     gates: list[Gate] = field(default_factory=list)
 
@@ -60,33 +67,32 @@ class Module:
         return {gate.kind for gate in self.gates[1:] if not gate.kind.startswith("$")}
 
 
-def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Module]:
-    """GHDL's netlist of every entity that ``top`` needs.
-
-    files: VHDL files in compile order.
-    folder: The folder in which GHDL keeps its library.
-    """
-    return read_dump(dump(files, top, folder))
+def netlists(files: Sequence[Path], top: str) -> dict[str, Module]:
+    """GHDL's netlist of every entity that ``top`` needs, of VHDL files in compile order."""
+    return read_dump(dump(files, top), files)
 
 
-def dump(files: Sequence[Path], top: str, folder: Path) -> str:
-    """What GHDL prints of the netlist; see ``synthesise``."""
-    command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm", "-de"]
-    command += [*map(str, files), "-e", top]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+def dump(files: Sequence[Path], top: str) -> str:
+    """What GHDL prints of the netlists; see ``netlists``."""
+    with tempfile.TemporaryDirectory() as library:
+        command = ["ghdl", "--synth", "--std=93", f"--workdir={library}", "--out=dump"]
+        command += ["-dm", "-de", *(str(file.resolve()) for file in files), "-e", top]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
         raise InputError(f"{top}: ghdl --synth: {result.stderr.strip()}")
     return result.stdout
 
 
-def read_dump(text: str) -> dict[str, Module]:
-    """The netlists in what GHDL printed, by entity."""
+def read_dump(text: str, files: Sequence[Path]) -> dict[str, Module]:
+    """The netlists in what GHDL printed of VHDL files, by entity."""
+    written = {file.stem: file for file in files}
     modules: dict[str, Module] = {}
     module: Module | None = None
     for line in text.splitlines():
         found = _MODULE.fullmatch(line)
         if found:
-            module = modules.setdefault(found[1], Module(found[1]))
+            source = written[found[1]].read_text(encoding="utf-8")
+            module = modules.setdefault(found[1], Module(found[1], list_lengths(source)))
         elif line.startswith(("  module ", "  instance ")):
             module = None
         elif module is not None:
@@ -144,19 +150,13 @@ def list_lengths(text: str) -> dict[str, int]:
     return {name: int(ends[kind]) + 1 for name, kind in signals}
 
 
-def to_verilog(module: Module, lists: dict[str, int]) -> str:
+def to_verilog(module: Module) -> str:
     """The Verilog of a netlist.
 
-    lists: The number of elements of each array signal. GHDL makes one wire of an array. Here each
-        element gets its own name, ``name[0]``, as in Yosys' netlist of the Verilog.
+    Each element of an array signal gets its own name, ``name[0]``, as in Yosys' netlist of the
+    Verilog.
     """
-    return _Writer(module, lists).text()
-
-
-def register_bits(module: Module, lists: dict[str, int]) -> int:
-    """How many bits the registers of a netlist have, without memories."""
-    registers = (gate for gate in _Writer(module, lists).gates if gate.kind == "$dff")
-    return sum(gate.outputs["q"].width for gate in registers)
+    return _Writer(module).text()
 
 
 @dataclass(frozen=True)
@@ -273,11 +273,11 @@ def write_memory(
 class _Writer:
     """Writes one module, in which wires that have a name in VHDL keep it."""
 
-    def __init__(self, module: Module, lists: dict[str, int]) -> None:
+    def __init__(self, module: Module) -> None:
         own, *self.gates = module.gates
         if own.kind != module.name:
             raise ValueError(f"{module.name}: GHDL's netlist: got {own.kind}, expected its ports")
-        self.module, self.own, self.lists = module, own, lists
+        self.module, self.own, self.lists = module, own, module.lists
         self.maker = {net: gate for gate in self.gates for net in gate.outputs.values()}
         self.names = {net: port for port, net in own.outputs.items()}
         for gate in self.gates:
@@ -288,7 +288,7 @@ class _Writer:
                 )
             if gate.kind == "$signal":
                 self.names[gate.outputs["o"]] = gate.name
-        self.memories, self.gates = split_memories(self.gates, lists)
+        self.memories, self.gates = split_memories(self.gates, self.lists)
         # A wire without a name that drives a signal or a port takes the name of that. So registers
         # have the same names in both languages.
         for gate in self.gates:

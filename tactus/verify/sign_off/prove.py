@@ -26,7 +26,7 @@ from tactus.core.machine import processor_line, processor_minutes
 from tactus.synth.tools import digest
 from tactus.verify.benches.collected import CASES_OF, PROOFS, proof_file, properties_of
 from tactus.verify.benches.runner import Job, with_parts
-from tactus.verify.sign_off.equal import prove_equal
+from tactus.verify.sign_off import equal
 from tactus.verify.sign_off.record import (
     PROVE,
     case_line,
@@ -196,10 +196,11 @@ def run_blocks(block: str | None, recorded: bool) -> int:
     blocks = chosen_blocks(block)
     print(case_line(block), flush=True)
     stop_if_dry_run(f"export and prove {len(blocks)} blocks")
-    with held(BUILD / case for block in blocks for case in cases(block)):
+    compared = (case for block in blocks for case in equal.cases(block))
+    with held(BUILD / case for case in {*(c for block in blocks for c in cases(block)), *compared}):
         proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
         properties = processor_minutes()
         print(f"properties: {processor_line(properties)}", flush=True)
-        equal = prove_equal(blocks, recorded)
+        same = equal.prove_equal(blocks, recorded)
         print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
-    return 0 if proved and equal else 1
+    return 0 if proved and same else 1

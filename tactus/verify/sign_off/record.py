@@ -81,9 +81,9 @@ def recorded_subjects(blocks: list[str], simulator: str = RUNS_IN) -> dict[str, 
 
 
 def record_name(job: Job) -> str:
-    """The name of the record of an entity in one of the cases that are recorded."""
-    names = {case: name for name, case in recorded_cases(job.block).items()}
-    return names[job.scene.name]
+    """The name of the record of an entity in a case: in the first one it is that of the block."""
+    case = job.scene.name
+    return job.block if case == CASES_OF[job.block][0] else f"{job.block}.{case}"
 
 
 def cases_line(block: str | None) -> str:
