@@ -45,7 +45,7 @@ from studies.physics.swing_data import COLUMNS as RUN
 from studies.stability.reference_swing import undamped_angle
 from tactus.core.table import read_table
 from tactus.physics.beam import GRAVITY, Beam, StrainSensor, arm_slopes, mean_arm
-from tactus.physics.gauges import MEAN_PER_DEVIATION, GaugeRig, Placing, load_rig
+from tactus.physics.gauges import MEAN_PER_DEVIATION, GaugeRig, load_rig
 
 BEAM = Beam()
 
@@ -114,7 +114,7 @@ def rig() -> GaugeRig:
 def test_errors_are_those_of_readings_with_what_is_known_beforehand(rig: GaugeRig) -> None:
     """The reference is least squares on the readings and one prior reading of each unknown."""
     places = [0.05, 0.12, 0.16]
-    found = Placing(rig).errors(places)
+    found = rig.errors(places)
     for n in range(0, len(found), 37):
         rows, noise = [], []
         for place in places:
@@ -137,13 +137,12 @@ def test_the_best_is_that_of_all_pairs(rig: GaugeRig, objective: str) -> None:
     few = replace(
         rig, count=2, span=(0.06, 0.16), objective=objective, outputs=("load", "position")
     )
-    placing = Placing(few)
     pairs = [
-        (placing.score(placing.errors_of(placing._all[list(pair)].sum(axis=0))), pair)
-        for pair in itertools.combinations(range(0, len(placing.places), 2), 2)
-        if placing.places[pair[1]] - placing.places[pair[0]] >= few.apart
+        (few.score(few.errors_of(few._all[list(pair)].sum(axis=0))), pair)
+        for pair in itertools.combinations(range(0, len(few.places), 2), 2)
+        if few.places[pair[1]] - few.places[pair[0]] >= few.apart
     ]
-    assert placing.score(placing.errors(placing.best())) <= min(score for score, _ in pairs)
+    assert few.score(few.errors(few.best())) <= min(score for score, _ in pairs)
 
 
 def test_the_command_prints_and_writes(tmp_path: Path, capsys) -> None:

@@ -28,7 +28,7 @@ from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import Scene, load_scene
 from tactus.train import few_digits, search
-from tactus.train.few_digits import FewDigits, grid_of
+from tactus.train.few_digits import Rounding, growth, importance_of, selected
 from tactus.train.objective import Objective, Rows
 from tactus.train.search import Stages, train
 from tactus.train.task import task_for
@@ -251,11 +251,12 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     for tolerance in (0.02, 1.0):
         asked = asking(small_scene, "fewest", digits_tolerance=tolerance)
         task = task_for(asked, small_scene.vectors(), [])
-        few = FewDigits(task, train(task, (5,), 0), layered=False)
-        mlp = few.on_training_rows()
-        assert few.worst(mlp) <= 1 + tolerance
+        network = train(task, (5,), 0)
+        few = Rounding(task, network, "training", importance_of(task, network), layered=False)
+        mlp = selected(few)
+        assert growth(task, network, mlp) <= 1 + tolerance
         counts.append(digits_in_hardware(small_scene, mlp))
-        full = grid_of(few.chosen, 18).digits(packed(few.chosen))
+        full = few.grid.digits(few.start)
     assert counts[1] <= counts[0] <= full
     assert counts[1] < full
 

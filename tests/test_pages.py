@@ -28,7 +28,7 @@ from tactus.core.commands import BY_NAME
 from tactus.core.table import read_table
 from tactus.errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from tactus.physics.beam import Beam
-from tactus.physics.gauges import Placing, load_rig
+from tactus.physics.gauges import load_rig
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import outcome
 from tactus.report.measure.table import Table
@@ -295,11 +295,10 @@ def test_the_gauges_of_the_page_are_those_found() -> None:
     cases += [("best found", replace(rig, count=count), []) for count in (3, 4, 6)]
     cases.append(("best found", replace(rig, count=4, cell_noise=math.inf), []))
     for label, case, known in cases:
-        placing = Placing(case)
-        places = known or placing.best()
+        places = known or case.best()
         cell = "yes" if math.isfinite(case.cell_noise) else "no"
         mm = ", ".join(f"{1e3 * place:.4g}" for place in places)
-        means = placing.errors(places).mean(axis=0)
+        means = case.errors(places).mean(axis=0)
         for text, mean in zip(cells(page, label, str(len(places)), cell, mm), means, strict=True):
             assert shows(text, float(mean), ROUNDING)
 

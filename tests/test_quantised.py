@@ -309,6 +309,7 @@ def changed(path: Path, name: str, value) -> Path:
         ("q1_bits", 0.5, "operator Quant .*: got 0.5 bits, expected a whole number from 1 to 32"),
         ("q1_zero", 0.5, "operator Quant .*: got the zero point 0.5, expected a whole number"),
         ("w1_scale", 0.0, r"operator Quant \('my_wq1'\): got a scale that is not above 0"),
+        ("w1_zero", 0.5, r"operator Quant \('my_wq1'\): got the zero point 0.5, expected a whole"),
     ],
 )
 def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, message) -> None:
@@ -318,6 +319,18 @@ def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, m
         changed(path, "b2", [2.0**-40] * 3)
     with pytest.raises(InputError, match=message):
         graph_of(integer_networks("single", [load_network(path, (2, 0, 2))]))
+
+
+@pytest.mark.parametrize("name", ["my_wq1", "my_q1"])
+def test_a_rounding_that_no_quantiser_has_is_refused(tmp_path: Path, name: str) -> None:
+    path = example(tmp_path)
+    model = onnx.load(str(path))
+    (node,) = (one for one in model.graph.node if one.name == name)
+    (mode,) = (one for one in node.attribute if one.name == "rounding_mode")
+    mode.s = b"CEIL"
+    onnx.save(model, str(path))
+    with pytest.raises(InputError, match=rf"\('{name}'\): got the rounding mode CEIL, expected"):
+        load_network(path, (2, 0, 2))
 
 
 def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:

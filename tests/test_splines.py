@@ -270,7 +270,7 @@ def test_sums_with_straight_functions_behind_them_become_one() -> None:
     assert found.edges.first.tolist() == [[CURVED] * 3, [CURVED, FLAT, CURVED]]
     assert np.abs(found.process(inputs) - learned.process(inputs)).max() < 1e-9
     assert splines.merged(found) is found
-    # DenseNetwork further, it stays what it is: the function of the sum is straight.
+    # Trained further, it stays what it is: the function of the sum is straight.
     assert np.abs(splines.refitted(found, rows).process(inputs) - target).max() < 0.2
 
 

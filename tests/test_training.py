@@ -204,15 +204,6 @@ def disturbed(scene: Scene, **sizes: float) -> Scene:
     return replace(scene, training=replace(scene.training, disturbance=Disturbance(**sizes)))
 
 
-def rows_of(task: Task, part: str) -> np.ndarray:
-    split = task.split
-    places = {
-        "known": np.concatenate([split.training, split.validation]),
-        "every": np.arange(len(task.recorded.codes)),
-    }
-    return places[part] if part in places else getattr(split, part)
-
-
 def test_every_network_of_a_cascade_sees_the_same_disturbed_readings(small_cascade: Scene) -> None:
     """It also gets the bit-true outputs of the networks before it."""
     scene, mlps = disturbed(small_cascade, noise=0.01), small_cascade.mlps()
@@ -221,7 +212,7 @@ def test_every_network_of_a_cascade_sees_the_same_disturbed_readings(small_casca
         before, after = getattr(first, part), getattr(second, part)
         assert np.array_equal(after.codes[:, :3], before.codes)
         assert np.array_equal(after.codes[:, 3:], scene.build(mlps[0]).process(before.codes))
-        rows, least = rows_of(first, part), LEAST_ROWS.get(part, REFITTED_ROWS)
+        rows, least = first.rows(part), LEAST_ROWS.get(part, REFITTED_ROWS)
         assert least <= len(before.codes) < least + len(rows)
         assert len(before.codes) % len(rows) == 0
         assert np.array_equal(
@@ -244,7 +235,7 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
     scene = disturbed(small_scene, **sizes)
     task = task_for(scene, scene.vectors(), [])
     for part in PARTS:
-        frames, rows = getattr(task, part), rows_of(task, part)
+        frames, rows = getattr(task, part), task.rows(part)
         recorded = np.tile(scene.vectors().inputs[rows], (len(frames.inputs) // len(rows), 1))
         inside = np.abs(recorded) < 0.9  # the format's ends clip the others
         moved = ((frames.inputs - recorded) / expected(recorded))[inside & (recorded != 0)]

@@ -327,8 +327,7 @@ def errors_of(task: Task, network: DenseNetwork, part: str) -> dict[str, Any]:
     The errors are those on rows as recorded and, where the scene declares noise or drift, on
     disturbed rows, unless the network was trained on these very draws.
     """
-    rows = np.arange(len(task.recorded.codes)) if part == "every" else getattr(task.split, part)
-    kinds = {"": task.recorded.take(rows)}
+    kinds = {"": task.recorded.take(task.rows(part))}
     if part != "every" and not task.scene.training.disturbance.none:
         kinds["_disturbed"] = getattr(task, part)
     errors: dict[str, Any] = {}

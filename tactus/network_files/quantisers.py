@@ -45,17 +45,10 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
     if any(np.size(value) != 1 for value in (scale, zero, *more) if value is not None):
         raise refuse(node, "got a scale or a zero point for each value, expected one for all")
     low, high = _ends(node, zero, more, refuse)
-    rounding = attributes_of(node).get("rounding_mode", "ROUND").upper()
-    if rounding not in ROUNDINGS:
-        raise refuse(
-            node, f"got the rounding mode {rounding}, expected one of {', '.join(ROUNDINGS)}"
-        )
-    place = 0 if zero is None else zero.item()
-    if place != int(place):
-        raise refuse(node, f"got the zero point {place}, expected a whole number")
+    rounding, place = _rounding(node, refuse), _whole(node, zero, refuse).item()
     try:
         return Quantiser(
-            float(scale.item()), int(place), low, high, ROUNDINGS[rounding], node.op_type != QUANT
+            float(scale.item()), int(place), low, high, rounding, node.op_type != QUANT
         )
     except InputError as error:
         raise refuse(node, str(error)) from None
@@ -75,6 +68,22 @@ def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quant
         return Quantiser(2 * half, 0, -1, 0, "floor"), half
     except InputError as error:
         raise refuse(node, str(error)) from None
+
+
+def _rounding(node: Any, refuse: Refuse) -> str:
+    mode = attributes_of(node).get("rounding_mode", "ROUND").upper()
+    if mode not in ROUNDINGS:
+        raise refuse(node, f"got the rounding mode {mode}, expected one of {', '.join(ROUNDINGS)}")
+    return ROUNDINGS[mode]
+
+
+def _whole(node: Any, zero: Any, refuse: Refuse) -> Any:
+    """Zero points, which must be whole numbers; 0 where there is none."""
+    places = np.asarray(0 if zero is None else zero, dtype=np.float64)
+    wrong = places[places % 1 != 0]
+    if wrong.size:
+        raise refuse(node, f"got the zero point {wrong[0]}, expected a whole number")
+    return places
 
 
 def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, int]:
@@ -98,7 +107,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
     """Apply such an operator to a constant; the result of QuantizeLinear is codes."""
     scale, zero, *more = [*parameters(node, constants, refuse), None]
     values = np.asarray(data)
-    factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))
+    factor, place = (_along(node, v, values) for v in (scale, _whole(node, zero, refuse)))
     if node.op_type == DEQUANTIZE:
         return (values.astype(np.float64) - place) * factor
     if not (np.isfinite(factor).all() and (factor > 0).all()):
@@ -109,7 +118,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
     if node.op_type == QUANTIZE:
         codes = np.clip(np.rint(values / factor) + place, low, high)
         return codes.astype(np.uint8 if zero is None else zero.dtype)
-    rounding = ROUNDINGS.get(attributes_of(node).get("rounding_mode", "ROUND").upper(), "even")
+    rounding = _rounding(node, refuse)
     found = [
         Quantiser(float(f), int(z), low, high, rounding).process(np.asarray(v, dtype=np.float64))
         for v, f, z in np.broadcast(values, factor, place)

@@ -30,15 +30,26 @@ RIG = load_keys(Path(__file__).with_suffix(".toml"), outputs=OUTPUTS, shapes=tup
 POSITIONS = 25
 
 
+# The mean magnitude of a normally distributed error, as a part of its standard deviation.
+MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
+
+# The distance of the places that are tried, since nobody can glue a gauge more precisely.
+STEP = 1e-3  # m
+MOST_PLACES = 500
+
+# The least improvement, as a part of the objective. Less is only rounding, which depends on the
+# machine.
+LEAST_GAIN = 1e-9
+
+
 @dataclass(frozen=True)
 class GaugeRig:
-    """The question that is put to ``make sensors``.
+    """The question that is put to ``make sensors``, and the bounds for any places of its gauges.
 
-    count: Number of gauges to place.
-    span: Range in m from the root in which a gauge may be.
-    apart: Least distance of two gauges in m.
-    full_scale, noise: In V; see the file.
-    compare: Places in m from the root to compare with; may be empty.
+    Places are in m from the root, and voltages in V; see the file.
+
+    count, span, apart: How many gauges, where they may be, and the least distance of two.
+    compare: Places to compare with; may be empty.
     cell_noise: Noise of a sensor that reads only the load, as a part of its reading for the
         heaviest load; infinite where there is no such sensor.
     masses: The least and the largest mass in kg.
@@ -49,8 +60,7 @@ class GaugeRig:
         in SI units.
     percent, shape (placements, 3): Error in percent for one SI unit of mass, position and
         half-width.
-    outputs: The outputs whose errors count.
-    objective: "mean" or "worst".
+    outputs, objective: The outputs whose errors count, and which of them: "mean" or "worst".
     """
 
     name: str
@@ -70,6 +80,124 @@ class GaugeRig:
     percent: Real
     outputs: tuple[str, ...]
     objective: str
+
+    @cached_property
+    def places(self) -> Real:
+        """The places in m where a gauge may be."""
+        low, high = self.span
+        count = min(int((high - low) / STEP + 1e-6) + 1, MOST_PLACES)
+        return np.linspace(low, high if count == MOST_PLACES else low + STEP * (count - 1), count)
+
+    def information(self, place: float) -> Real:
+        """Information of a gauge about mass, position and half-width at each placement, (n, 3, 3).
+
+        Its amplifier is set so that the largest moment reads full scale.
+        """
+        unit = StrainSensor(1.0, 0.0, place, self.beam)
+        largest = float(np.abs(unit.read(self.placements)).max())
+        if not largest:
+            return np.zeros((len(self.percent), 3, 3))
+        gain = self.full_scale / largest
+        deviation = np.hypot(self.noise, gain * self.noise_strain)
+        slopes = unit.slopes(self.placements) * (gain / deviation)
+        return slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
+
+    @cached_property
+    def _all(self) -> Real:
+        return np.stack([self.information(float(place)) for place in self.places])
+
+    @cached_property
+    def _beforehand(self) -> Real:
+        """The information without any gauge."""
+        known = np.array(self.known)
+        spreads = np.where(known, 1.0, self.spreads)
+        found: Real = np.diag(1 / spreads**2)
+        found[0, 0] += (1 / (self.masses[1] * self.cell_noise)) ** 2
+        return found
+
+    def errors_of(self, information: Real) -> Real:
+        """Bounds from the information of the gauges, (..., n, 3): mean errors in percent.
+
+        A known quantity has no error.
+        """
+        unknown = np.flatnonzero(~np.array(self.known))
+        total = (information + self._beforehand)[..., unknown[:, np.newaxis], unknown]
+        # All units are scaled to the same size, so that the inverse is accurate.
+        unit = self.spreads[unknown]
+        inverse = np.linalg.inv(total * unit[:, np.newaxis] * unit)
+        variances = np.diagonal(inverse, axis1=-2, axis2=-1)
+        found = np.zeros((*information.shape[:-2], 3))
+        deviations = np.sqrt(variances) * unit
+        found[..., unknown] = MEAN_PER_DEVIATION * deviations * self.percent[:, unknown]
+        return found
+
+    def errors(self, places: Sequence[float]) -> Real:
+        """Bounds at each placement for gauges at the given places, (n, 3)."""
+        return self.errors_of(sum((self.information(p) for p in places), np.zeros((1, 3, 3))))
+
+    def score(self, errors: Real) -> Real:
+        """The number to minimise: mean or worst error over placements and outputs that count."""
+        counted = errors[..., [OUTPUTS.index(name) for name in self.outputs]]
+        flat = counted.reshape(*counted.shape[:-2], -1)
+        return flat.mean(axis=-1) if self.objective == "mean" else flat.max(axis=-1)
+
+    def best(self) -> list[float]:
+        """The best places that were found; they are the same in every run.
+
+        From several starts, each gauge in turn moves to its best place among the others, until none
+        moves any more. The starts are: one gauge after another where it helps most; evenly spread
+        gauges; and the places for comparison.
+        """
+        count = self.count
+        even = np.linspace(0, len(self.places) - 1, count).round().astype(int).tolist()
+        compared = [int(np.abs(self.places - place).argmin()) for place in self.compare]
+        starts = [[], *(s for s in (even, compared) if len(s) == count and self._apart(s))]
+        ends = [self._descended(start) for start in starts]
+        score, chosen = min(ends, key=lambda end: end[0])
+        if not np.isfinite(score):
+            raise InputError(
+                f"gauges.apart_mm: got {1e3 * self.apart:g}, expected room for {count} gauges"
+            )
+        return [float(self.places[k]) for k in sorted(chosen)]
+
+    def _apart(self, chosen: list[int]) -> bool:
+        return bool((np.diff(self.places[sorted(chosen)]) >= self.apart - STEP / 1e3).all())
+
+    def _descended(self, start: list[int]) -> tuple[float, list[int]]:
+        chosen, score = list(start), np.inf
+        while len(chosen) < self.count:
+            score, k = self._best_beside(chosen)
+            if not np.isfinite(score):
+                return score, chosen
+            chosen.append(k)
+        while True:
+            before = score
+            for n in range(len(chosen)):
+                others = [k for i, k in enumerate(chosen) if i != n]
+                found, k = self._best_beside(others)
+                if found < score * (1 - LEAST_GAIN):
+                    chosen[n], score = k, found
+            if not score < before * (1 - LEAST_GAIN):
+                return float(score), chosen
+
+    def _best_beside(self, others: list[int]) -> tuple[float, int]:
+        """The best score with one more gauge, and its place; infinite if there is no room."""
+        known = self._all[others].sum(axis=0)
+        free = np.ones(len(self.places), dtype=bool)
+        for k in others:
+            free &= np.abs(self.places - self.places[k]) >= self.apart - STEP / 1e3
+        at = np.flatnonzero(free)
+        if not len(at):
+            return np.inf, 0
+        # The places are evaluated in groups, because the arrays for all together would be too
+        # large.
+        parts = np.array_split(at, min(len(at), 16))
+        scores = np.concatenate(
+            [self.score(self.errors_of(known + self._all[part])) for part in parts]
+        )
+        # Of places with equal scores, the one nearest to the root is taken.
+        best = int((scores <= scores.min() * (1 + LEAST_GAIN)).argmax())
+        return float(scores[best]), int(at[best])
 
 
 def load_rig(name: str) -> GaugeRig:
@@ -119,7 +247,8 @@ def _rig(values: dict[str, dict[str, Any]], path: Path) -> GaugeRig:
             [low, high],
             f"loads {min(widths):g} to {max(widths):g} mm wide that lie between root and tip",
         ),
-        (min(widths) <= 0 or loads["load_g"][0] <= 0, "loads", "0", "loads and widths above 0"),
+        (min(widths) <= 0, "loads.width_mm", widths, "widths above 0"),
+        (loads["load_g"][0] <= 0, "loads.load_g", loads["load_g"], "loads above 0"),
     )
     placements = _placements(loads, length)
     ranges = np.array([np.ptp(loads["load_g"]) / 1e3, (high - low) / 1e3, np.ptp(widths) / 2e3])
@@ -172,143 +301,3 @@ def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
     for fault, key, got, expected in faults:
         if fault:
             raise InputError(f"{path}: {key}: got {got!r}, expected {expected}")
-
-
-# The mean magnitude of a normally distributed error, as a part of its standard deviation.
-MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
-
-# The distance of the places that are tried, since nobody can glue a gauge more precisely.
-STEP = 1e-3  # m
-MOST_PLACES = 500
-
-# The least improvement, as a part of the objective. Less is only rounding, which depends on the
-# machine.
-LEAST_GAIN = 1e-9
-
-
-@dataclass(frozen=True)
-class Placing:
-    """The bounds of a rig for any places of its gauges."""
-
-    rig: GaugeRig
-
-    @cached_property
-    def places(self) -> Real:
-        """The places in m where a gauge may be."""
-        low, high = self.rig.span
-        count = min(int((high - low) / STEP + 1e-6) + 1, MOST_PLACES)
-        return np.linspace(low, high if count == MOST_PLACES else low + STEP * (count - 1), count)
-
-    def information(self, place: float) -> Real:
-        """Information of a gauge about mass, position and half-width at each placement, (n, 3, 3).
-
-        Its amplifier is set so that the largest moment reads full scale.
-        """
-        rig = self.rig
-        unit = StrainSensor(1.0, 0.0, place, rig.beam)
-        largest = float(np.abs(unit.read(rig.placements)).max())
-        if not largest:
-            return np.zeros((len(rig.percent), 3, 3))
-        gain = rig.full_scale / largest
-        deviation = np.hypot(rig.noise, gain * rig.noise_strain)
-        slopes = unit.slopes(rig.placements) * (gain / deviation)
-        return slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
-
-    @cached_property
-    def _all(self) -> Real:
-        return np.stack([self.information(float(place)) for place in self.places])
-
-    @cached_property
-    def _beforehand(self) -> Real:
-        """The information without any gauge."""
-        rig = self.rig
-        known = np.array(rig.known)
-        spreads = np.where(known, 1.0, rig.spreads)
-        found: Real = np.diag(1 / spreads**2)
-        found[0, 0] += (1 / (rig.masses[1] * rig.cell_noise)) ** 2
-        return found
-
-    def errors_of(self, information: Real) -> Real:
-        """Bounds from the information of the gauges, (..., n, 3): mean errors in percent.
-
-        A known quantity has no error.
-        """
-        rig = self.rig
-        unknown = np.flatnonzero(~np.array(rig.known))
-        total = (information + self._beforehand)[..., unknown[:, np.newaxis], unknown]
-        # All units are scaled to the same size, so that the inverse is accurate.
-        unit = rig.spreads[unknown]
-        inverse = np.linalg.inv(total * unit[:, np.newaxis] * unit)
-        variances = np.diagonal(inverse, axis1=-2, axis2=-1)
-        found = np.zeros((*information.shape[:-2], 3))
-        deviations = np.sqrt(variances) * unit
-        found[..., unknown] = MEAN_PER_DEVIATION * deviations * rig.percent[:, unknown]
-        return found
-
-    def errors(self, places: Sequence[float]) -> Real:
-        """Bounds at each placement for gauges at the given places, (n, 3)."""
-        return self.errors_of(sum((self.information(p) for p in places), np.zeros((1, 3, 3))))
-
-    def score(self, errors: Real) -> Real:
-        """The number to minimise: mean or worst error over placements and outputs that count."""
-        counted = errors[..., [OUTPUTS.index(name) for name in self.rig.outputs]]
-        flat = counted.reshape(*counted.shape[:-2], -1)
-        return flat.mean(axis=-1) if self.rig.objective == "mean" else flat.max(axis=-1)
-
-    def best(self) -> list[float]:
-        """The best places that were found; they are the same in every run.
-
-        From several starts, each gauge in turn moves to its best place among the others, until none
-        moves any more. The starts are: one gauge after another where it helps most; evenly spread
-        gauges; and the places for comparison.
-        """
-        count = self.rig.count
-        even = np.linspace(0, len(self.places) - 1, count).round().astype(int).tolist()
-        compared = [int(np.abs(self.places - place).argmin()) for place in self.rig.compare]
-        starts = [[], *(s for s in (even, compared) if len(s) == count and self._apart(s))]
-        ends = [self._descended(start) for start in starts]
-        score, chosen = min(ends, key=lambda end: end[0])
-        if not np.isfinite(score):
-            raise InputError(
-                f"gauges.apart_mm: got {1e3 * self.rig.apart:g}, expected room for {count} gauges"
-            )
-        return [float(self.places[k]) for k in sorted(chosen)]
-
-    def _apart(self, chosen: list[int]) -> bool:
-        return bool((np.diff(self.places[sorted(chosen)]) >= self.rig.apart - STEP / 1e3).all())
-
-    def _descended(self, start: list[int]) -> tuple[float, list[int]]:
-        chosen, score = list(start), np.inf
-        while len(chosen) < self.rig.count:
-            score, k = self._best_beside(chosen)
-            if not np.isfinite(score):
-                return score, chosen
-            chosen.append(k)
-        while True:
-            before = score
-            for n in range(len(chosen)):
-                others = [k for i, k in enumerate(chosen) if i != n]
-                found, k = self._best_beside(others)
-                if found < score * (1 - LEAST_GAIN):
-                    chosen[n], score = k, found
-            if not score < before * (1 - LEAST_GAIN):
-                return float(score), chosen
-
-    def _best_beside(self, others: list[int]) -> tuple[float, int]:
-        """The best score with one more gauge, and its place; infinite if there is no room."""
-        known = self._all[others].sum(axis=0)
-        free = np.ones(len(self.places), dtype=bool)
-        for k in others:
-            free &= np.abs(self.places - self.places[k]) >= self.rig.apart - STEP / 1e3
-        at = np.flatnonzero(free)
-        if not len(at):
-            return np.inf, 0
-        # The places are evaluated in groups, because the arrays for all together would be too
-        # large.
-        parts = np.array_split(at, min(len(at), 16))
-        scores = np.concatenate(
-            [self.score(self.errors_of(known + self._all[part])) for part in parts]
-        )
-        # Of places with equal scores, the one nearest to the root is taken.
-        best = int((scores <= scores.min() * (1 + LEAST_GAIN)).argmax())
-        return float(scores[best]), int(at[best])

@@ -9,16 +9,16 @@ from matplotlib.figure import Figure
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
-from tactus.physics.gauges import OUTPUTS, GaugeRig, Placing, load_rig
+from tactus.physics.gauges import OUTPUTS, GaugeRig, load_rig
 from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
 from tactus.report.measure.table import Cell, Table
 
 HEIGHT = 1.6  # inches of a panel
 
 
-def along(placing: Placing, places: Sequence[float]) -> dict[str, list[tuple[float, float]]]:
+def along(rig: GaugeRig, places: Sequence[float]) -> dict[str, list[tuple[float, float]]]:
     """For each output of interest, positions in mm from the root and the mean bound there."""
-    rig, errors = placing.rig, placing.errors(places)
+    errors = rig.errors(places)
     at = rig.placements.position
     return {
         name: [
@@ -29,9 +29,8 @@ def along(placing: Placing, places: Sequence[float]) -> dict[str, list[tuple[flo
     }
 
 
-def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
+def gauges(rig: GaugeRig, sets: Mapping[str, Sequence[float]]) -> str:
     """The beam with the places of its gauges, and a panel for each output below."""
-    rig = placing.rig
     with style():
         figure = Figure(
             figsize=(PLOT_INCHES[0], HEIGHT * (len(rig.outputs) + 1)), layout="constrained"
@@ -57,7 +56,7 @@ def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
                 label=label,
             )
             for name, axes in zip(rig.outputs, panels, strict=True):
-                x, y = np.array(along(placing, places)[name]).T
+                x, y = np.array(along(rig, places)[name]).T
                 axes.plot(x, y, marker=look.marker, color=look.colour, markersize=3)
         beam.set_ylim(-1, len(sets) + 1)
         beam.set_yticks([])
@@ -77,12 +76,11 @@ COMPARED, FOUND = "compared", "best found"
 
 def sensors(rig: GaugeRig) -> tuple[Table, str]:
     """The bounds for given places and for the best places, and their picture."""
-    placing = Placing(rig)
     sets: dict[str, Sequence[float]] = {COMPARED: rig.compare} if rig.compare else {}
-    sets[FOUND] = placing.best()
+    sets[FOUND] = rig.best()
     rows: list[list[Cell]] = []
     for label, places in sets.items():
-        errors, mm = placing.errors(places), ", ".join(f"{1e3 * place:.4g}" for place in places)
+        errors, mm = rig.errors(places), ", ".join(f"{1e3 * place:.4g}" for place in places)
         for name in rig.outputs:
             column = errors[:, OUTPUTS.index(name)]
             rows.append([label, mm, name, float(column.mean()), float(column.max())])
@@ -94,7 +92,7 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
         "of Cramer and Rao with the prior knowledge that load, position and width lie in their "
         f"ranges. 'Best found' has the least {rig.objective} over placements and outputs.",
     )
-    return table, gauges(placing, sets)
+    return table, gauges(rig, sets)
 
 
 def main() -> None:

@@ -48,7 +48,9 @@ def constant(values: Real) -> bool:
 def counts_rows(values: Real) -> bool:
     """Whether a column rises by the same step from row to row, as a row number or a time does."""
     steps = np.diff(values)
-    return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) < 1e-9).all())
+    # The seconds since 1970 are so large that their steps differ by last bits.
+    same = 1e-9 + 4 * np.spacing(np.abs(values).max())
+    return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) < same).all())
 
 
 def repeats(values: Real, other: Real) -> bool:

@@ -33,8 +33,9 @@ compensate together. So the inverse is updated less often, which is most of the 
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,15 +131,45 @@ def grid_of(network: DenseNetwork, width: int) -> Grid:
 
 
 @dataclass(frozen=True)
-class RoundingObjective:
-    """The error that is minimised on a grid: that of the objective's training rows.
+class Rounding:
+    """A trained network of a scene that gets fewer digits.
 
+    part: The part of the rows that trained it, whose error counts.
+    importance: The factors of the scales of the outputs; see ``importance_of``.
     layered: Whether the network has layers that the scene names, or many rows.
     """
 
-    objective: Objective
-    grid: Grid
+    task: Task
+    network: DenseNetwork
+    part: str
+    importance: Real
     layered: bool
+
+    @cached_property
+    def grid(self) -> Grid:
+        return grid_of(self.network, self.task.scene.precision.coeff_width)
+
+    @property
+    def frames(self) -> Frames:
+        """The rows that trained the network, with disturbance."""
+        frames: Frames = getattr(self.task, self.part)
+        return frames
+
+    @cached_property
+    def start(self) -> Real:
+        return packed(self.network)
+
+    @cached_property
+    def objective(self) -> Objective:
+        """The error that is minimised: that of its training rows. Nothing ends it early."""
+        activation = tanh if self.layered else self.task.scene.scheme.real
+        rows = self._rows()
+        return Objective(self.network, activation, rows, rows, 0.0, sys.maxsize)
+
+    @cached_property
+    def unit(self) -> float:
+        """The unit of prices: the error of the trained network, but at least that of an LSB."""
+        return max(self.value(self.start), float(SIGNAL.to_real(1)) ** 2)
 
     @property
     def hold(self) -> float:
@@ -148,7 +179,7 @@ class RoundingObjective:
     @property
     def together(self) -> int:
         """How many weights are rounded at once."""
-        return max(1, len(self.grid.lsb) // ONE_BY_ONE) if self.layered else 1
+        return max(1, len(self.start) // ONE_BY_ONE) if self.layered else 1
 
     def value(self, vector: Real) -> float:
         residuals = self._residuals(vector)
@@ -162,12 +193,57 @@ class RoundingObjective:
         jacobian = self.objective.jacobian(vector)[: len(residuals)]
         return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
 
+    def rounded(self, count: int) -> Iterator[DenseNetwork]:
+        """A network of ``count`` digits from each start; only the nearest if it has so few."""
+        nearest = self.grid.rounded(self.start)
+        if self.grid.digits(nearest) <= count:
+            yield self.grid.network(nearest)
+            return
+        price = None
+        for rng in self.generators():
+            with naming(f"{self.task.scene.path}: training.digits"):
+                point, price = at_most(self, count, rng, price)
+            yield self.finished(point)
+
+    def generators(self) -> Iterator[np.random.Generator]:
+        """The random numbers of each start."""
+        seed = self.task.scene.training.seed
+        starts = 1 if self.layered and len(self.start) > ONE_BY_ONE else STARTS
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
+
+    def finished(self, point: Real) -> DenseNetwork:
+        """The network of a point, whose biases are shifted and rounded; nothing shifts logits."""
+        network = self.grid.network(point)
+        if not self.task.scene.labels:
+            network = shift_biases(self.task, network, self.frames)
+        return self.grid.network(self.grid.rounded(packed(network)))
+
     def _residuals(self, vector: Real) -> Real:
         network = self.grid.network(vector)
         return self.objective.training.residuals(network, self.objective.activation)
 
+    def _rows(self) -> Rows:
+        """``frames``, and frames between and just beyond recorded rows.
 
-def teacher_frames(recorded: Frames, task: Task) -> Rows:
+        If the scene has classes, the targets of all are the logits of the network, and errors are
+        parts of these.
+        """
+        activation, frames = self.task.scene.scheme.real, self.frames
+        taught = teacher_frames(self.task, self.task.recorded.take(self.task.rows(self.part)))
+        inputs = np.concatenate([frames.inputs, taught.inputs])
+        if self.task.scene.labels:
+            logits = self.network.process(inputs, activation)
+            spread = max(float(logits.std()), sys.float_info.min)
+            return Rows(inputs, logits, np.full(logits.shape, spread * np.sqrt(logits.size)))
+        count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
+        return Rows(
+            inputs,
+            np.concatenate([frames.targets, self.network.process(taught.inputs, activation)]),
+            np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * self.importance,
+        )
+
+
+def teacher_frames(task: Task, recorded: Frames) -> Rows:
     """Frames near recorded ones, close to the way from a row to one of its neighbours.
 
     The targets and scales are those of the row from which a frame starts.
@@ -187,7 +263,7 @@ def teacher_frames(recorded: Frames, task: Task) -> Rows:
     return Rows(inputs, recorded.targets[at], recorded.scale[at])
 
 
-def refitted(aim: RoundingObjective, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
+def refitted(aim: Rounding, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
     """Refit the free weights by some steps of Levenberg and Marquardt.
 
     Returns the new point, and the Hessian of the free weights there, damped so that it can be
@@ -216,14 +292,14 @@ def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
     return whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
 
 
-def priced(aim: RoundingObjective, start: Real, price: float, rng: np.random.Generator) -> Real:
+def priced(aim: Rounding, price: float, rng: np.random.Generator) -> Real:
     """Round a trained network, giving each weight as many digits as are worth their price.
 
     price: Price of a digit, in the unit of the error.
     rng: Source of the random factors that change the order.
     """
-    grid, vector = aim.grid, start.copy()
-    free = np.ones(len(start), dtype=bool)
+    grid, vector = aim.grid, aim.start.copy()
+    free = np.ones(len(vector), dtype=bool)
     each = -(-int(grid.weights.sum()) // REFITS)
     while (free & grid.weights).any():
         vector, hessian = refitted(aim, vector, free)
@@ -279,15 +355,11 @@ def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
 
 
 def at_most(
-    aim: RoundingObjective,
-    start: Real,
-    count: int,
-    rng: np.random.Generator,
-    near: float | None = None,
+    aim: Rounding, count: int, rng: np.random.Generator, near: float | None = None
 ) -> tuple[Real, float]:
     """Round a trained network to ``count`` digits, or slightly fewer.
 
-    Returns the point, and the price that led to it, as a part of ``_unit``.
+    Returns the point, and the price that led to it, as a part of ``aim.unit``.
 
     near: A price near which the search begins.
     """
@@ -297,7 +369,7 @@ def at_most(
         while high - low > PRICE_STEP:
             middle = (low + high) / 2
             price = float(np.exp(middle))
-            point = priced(aim, start, price * _unit(aim, start), rng)
+            point = priced(aim, price * aim.unit, rng)
             digits = aim.grid.digits(point)
             if digits > count:
                 low = middle
@@ -312,173 +384,76 @@ def at_most(
     raise InputError(f"got {count}, expected at least {digits}: no weights with fewer digits")
 
 
-def _unit(aim: RoundingObjective, start: Real) -> float:
-    """The unit of prices: the error of the trained network, but at least that of an LSB."""
-    return max(aim.value(start), float(SIGNAL.to_real(1)) ** 2)
-
-
-@dataclass(frozen=True)
-class FewDigits:
-    """Reduces the digits of one network of a scene.
-
-    task: Task of the chosen network, whose validation rows decide.
-    chosen: The network as it was trained.
-    layered: See ``RoundingObjective``.
-    """
-
-    task: Task
-    chosen: DenseNetwork
-    layered: bool
-
-    @property
-    def asked(self) -> int | str:
-        return self.task.scene.training.digits
-
-    def errors(self, network: DenseNetwork) -> Real:
-        """Mean bit-true error of each output on the validation rows.
-
-        If the scene has classes, it is the mean cross-entropy with the labels, which is one number.
-        """
-        frames = self.task.validation
-        if self.task.scene.labels:
-            rows = LabelledRows(frames.inputs, frames.targets, frames.scale)
-            return np.array([(rows.residuals(network, self.task.scene.scheme.real) ** 2).mean()])
-        errors = signed_errors(self.task, network, frames)
-        return np.abs(errors).mean(axis=0)
-
-    def misses(self) -> Real:
-        """The relative error of each output, where no error counts as a small one."""
-        found = self.errors(self.chosen)
-        found = np.maximum(found, 1e-3 * found.max())
-        return found / found.mean() if found.max() else np.ones(len(found))
-
-    def worst(self, network: DenseNetwork) -> float:
-        """The largest growth of an output's error on the validation rows, as a ratio."""
-        return float((self.errors(network) / np.maximum(self.errors(self.chosen), 1e-12)).max())
-
-    def on_training_rows(self) -> DenseNetwork:
-        """The chosen network with the requested digits, selected by the validation rows."""
-        task = self.task
-        aim = self.aim(task, self.chosen, task.training, task.split.training)
-        if self.asked != FEWEST:
-            return min(self._starts(aim, self.chosen, task, task.training), key=self.worst)
-        start = packed(self.chosen)
-        best = aim.grid.network(aim.grid.rounded(start))
-        for price in _unit(aim, start) * np.geomspace(*PRICES, RUNGS):
-            points = (priced(aim, start, price, rng) for rng in self._generators())
-            found = [self._whole(aim, point, task, task.training) for point in points]
-            network = min(found, key=self.worst)
-            if self.worst(network) > 1 + task.scene.training.digits_tolerance:
-                break
-            best = min(best, network, key=lambda one: aim.grid.digits(packed(one)))
-        return best
-
-    def on_more_rows(
-        self, task: Task, network: DenseNetwork, frames: Frames, rows: NDArray[np.int64], count: int
-    ) -> DenseNetwork:
-        """The network trained further on more rows, rounded to ``count`` digits.
-
-        No rows are left to choose among the starts, so the one is taken that fits these rows best.
-        """
-        aim = self.aim(task, network, frames, rows)
-        found = self._starts(aim, network, task, frames, count)
-        return min(found, key=lambda one: aim.value(packed(one)))
-
-    def aim(
-        self, task: Task, network: DenseNetwork, frames: Frames, rows: NDArray[np.int64]
-    ) -> RoundingObjective:
-        """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
-        aimed = self.rows(task, network, frames, task.recorded.take(rows))
-        activation = tanh if self.layered else task.scene.scheme.real
-        grid = grid_of(network, task.scene.precision.coeff_width)
-        # Nothing ends this objective early.
-        objective = Objective(network, activation, aimed, aimed, 0.0, sys.maxsize)
-        return RoundingObjective(objective, grid, self.layered)
-
-    def rows(self, task: Task, network: DenseNetwork, frames: Frames, recorded: Frames) -> Rows:
-        """The rows whose error is minimised when ``network`` gets fewer digits.
-
-        They are ``frames``, and those between and just beyond recorded rows. If the scene has
-        classes, the targets of all are the logits of ``network``, and errors are parts of these.
-
-        frames: The rows that train, with disturbance.
-        recorded: The same rows as recorded, each of them once.
-        """
-        activation, taught = task.scene.scheme.real, teacher_frames(recorded, task)
-        inputs = np.concatenate([frames.inputs, taught.inputs])
-        if task.scene.labels:
-            logits = network.process(inputs, activation)
-            spread = max(float(logits.std()), sys.float_info.min)
-            return Rows(inputs, logits, np.full(logits.shape, spread * np.sqrt(logits.size)))
-        count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
-        return Rows(
-            inputs,
-            np.concatenate([frames.targets, network.process(taught.inputs, activation)]),
-            np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * self.misses(),
-        )
-
-    def _starts(
-        self,
-        aim: RoundingObjective,
-        network: DenseNetwork,
-        task: Task,
-        frames: Frames,
-        count: int | None = None,
-    ) -> Iterator[DenseNetwork]:
-        """A network from each start, or only the rounded one where it has few enough digits."""
-        wanted = self.asked if count is None else count
-        assert isinstance(wanted, int)
-        start = packed(network)
-        if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
-            yield aim.grid.network(aim.grid.rounded(start))
-            return
-        price = None
-        for rng in self._generators():
-            with naming(f"{task.scene.path}: training.digits"):
-                point, price = at_most(aim, start, wanted, rng, price)
-            yield self._whole(aim, point, task, frames)
-
-    def _generators(self) -> Iterator[np.random.Generator]:
-        seed = self.task.scene.training.seed
-        starts = 1 if self.layered and len(packed(self.chosen)) > ONE_BY_ONE else STARTS
-        return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
-
-    def _whole(
-        self, aim: RoundingObjective, point: Real, task: Task, frames: Frames
-    ) -> DenseNetwork:
-        """The network of a point, whose biases are shifted and rounded; nothing shifts logits."""
-        network = aim.grid.network(point)
-        if not task.scene.labels:
-            network = shift_biases(task, network, frames)
-        return aim.grid.network(aim.grid.rounded(packed(network)))
-
-
 def count_digits(network: DenseNetwork, width: int) -> int:
     """The number of signed digits of all weights of a network in ``width`` bits."""
     grid = grid_of(network, width)
     return grid.digits(packed(network))
 
 
+def errors_of(task: Task, network: DenseNetwork) -> Real:
+    """Mean bit-true error of each output on the validation rows.
+
+    If the scene has classes, it is the mean cross-entropy with the labels, which is one number.
+    """
+    frames = task.validation
+    if task.scene.labels:
+        rows = LabelledRows(frames.inputs, frames.targets, frames.scale)
+        return np.array([(rows.residuals(network, task.scene.scheme.real) ** 2).mean()])
+    return np.abs(signed_errors(task, network, frames)).mean(axis=0)
+
+
+def importance_of(task: Task, network: DenseNetwork) -> Real:
+    """The relative error of each output, where no error counts as a small one."""
+    found = errors_of(task, network)
+    found = np.maximum(found, 1e-3 * found.max())
+    return found / found.mean() if found.max() else np.ones(len(found))
+
+
+def growth(task: Task, before: DenseNetwork, network: DenseNetwork) -> float:
+    """The largest growth of an output's error on the validation rows, as a ratio."""
+    return float((errors_of(task, network) / np.maximum(errors_of(task, before), 1e-12)).max())
+
+
+def selected(aim: Rounding) -> DenseNetwork:
+    """The network with the digits that the scene asks for, selected by the validation rows."""
+    settings, grid = aim.task.scene.training, aim.grid
+
+    def worst(network: DenseNetwork) -> float:
+        return growth(aim.task, aim.network, network)
+
+    if settings.digits != FEWEST:
+        return min(aim.rounded(settings.digits), key=worst)
+    best = grid.network(grid.rounded(aim.start))
+    for price in aim.unit * np.geomspace(*PRICES, RUNGS):
+        found = [aim.finished(priced(aim, price, rng)) for rng in aim.generators()]
+        network = min(found, key=worst)
+        if worst(network) > 1 + settings.digits_tolerance:
+            break
+        best = min(best, network, key=lambda one: grid.digits(packed(one)))
+    return best
+
+
 def with_few_digits(
-    few: FewDigits, tested: tuple[Task, DenseNetwork], written: tuple[Task, DenseNetwork]
+    stages: Sequence[tuple[Task, DenseNetwork]], layered: bool
 ) -> list[DenseNetwork]:
     """The chosen network with few digits, then the tested and the written one.
 
     Each is fitted on the rows that it has seen. Without ``training.refit`` there is one.
 
-    few: For the chosen network.
-    tested, written: The networks that were trained further, on training and validation rows and on
-        all rows.
+    stages: Each network with its task; the last two were trained further, on training and
+        validation rows and on all rows.
+    layered: See ``Rounding``.
     """
-    found = [few.on_training_rows()]
-    settings, count = few.task.scene.training, few.asked
+    (task, chosen), *more = stages
+    settings, importance = task.scene.training, importance_of(task, chosen)
+    found = [selected(Rounding(task, chosen, "training", importance, layered))]
     if not settings.refit:
         return found * 3
+    count = settings.digits
     if not isinstance(count, int):
-        count = count_digits(found[0], few.task.scene.precision.coeff_width)
-    task, network = tested
-    rows = np.concatenate([task.split.training, task.split.validation])
-    found.append(few.on_more_rows(task, network, task.known, rows, count))
-    task, network = written
-    rows = np.arange(len(task.recorded.codes))
-    return [*found, few.on_more_rows(task, network, task.every, rows, count)]
+        count = count_digits(found[0], task.scene.precision.coeff_width)
+    for (own, network), part in zip(more, ("known", "every"), strict=True):
+        aim = Rounding(own, network, part, importance, layered)
+        # No rows are left to choose among the starts: the best on these rows is taken.
+        found.append(min(aim.rounded(count), key=lambda one: aim.value(packed(one))))
+    return found

@@ -23,7 +23,7 @@ from golden.trained.dense import Dense, DenseNetwork, mlp_of, network_of, packed
 from golden.trained.function import Function, by_name, functions_of
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
-from tactus.train.few_digits import FewDigits, with_few_digits
+from tactus.train.few_digits import with_few_digits
 from tactus.train.objective import (
     OPTIMISERS,
     ClassObjective,
@@ -222,31 +222,34 @@ class Stages:
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, *candidate: Any) -> None:
-        number = len(self.chosen)
-        task, seen_more, seen_all = (
-            self.task(networks, number) for networks in (self.chosen, self.tested, self.written)
-        )
+        """Train the next network from the candidate that was chosen for it."""
+        stages: list[Any] = [self.chosen, self.tested, self.written]
+        tasks = [self.task(networks, len(self.chosen)) for networks in stages]
+        made = [as_read(tasks[0], network) for network in self.trained(tasks, *candidate)]
+        for networks, (_, read) in zip(stages, made, strict=True):
+            networks.append(read)
+        self.files.append(made[-1][0])
+
+    def trained(self, tasks: list[Task], *candidate: Any) -> list[Any]:
+        """The chosen, the tested and the written network, each with its own task."""
+        task, seen_more, seen_all = tasks
         made = started if candidate[2:] else train
-        chosen: Any = as_read(task, made(task, *candidate))
-        tested = written = chosen
+        found = [made(task, *candidate)] * 3
         if self.scene.training.refit:
-            start = self._on_signals(chosen)
-            tested, written = (
-                as_read(task, descended(seen, start, frames, frames))
+            start = self._on_signals(found[0])
+            found[1:] = (
+                descended(seen, start, frames, frames)
                 for seen, frames in ((seen_more, seen_more.known), (seen_all, seen_all.every))
             )
         if self.scene.training.digits:
-            self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
+            read = [as_read(task, network)[1] for network in found]
+            self.full.append(dict(zip(("chosen", "tested", "written"), read, strict=True)))
             layered = has_layers(self.scene) or has_many_rows(self.scene)
-            few = FewDigits(task, self._on_signals(chosen), layered)
-            others = (seen_more, self._on_signals(tested)), (seen_all, self._on_signals(written))
-            found = with_few_digits(few, *others)
-            chosen, tested, written = (as_read(task, network) for network in found)
-        self.chosen.append(chosen[1])
-        self.tested.append(tested[1])
-        self.written.append(written[1])
-        self.files.append(written[0])
+            signals = [self._on_signals(network) for network in found]
+            found = with_few_digits(list(zip(tasks, signals, strict=True)), layered)
+        return found
 
-    def _on_signals(self, read: tuple[DenseNetwork, DenseNetwork]) -> DenseNetwork:
-        """The network of a file on signals, as training has it: logits have no scale."""
-        return on_signals(read[0], *self.scene.scales_of(len(self.chosen)))
+    def _on_signals(self, network: DenseNetwork) -> DenseNetwork:
+        """A network as its file gives it to training: logits have no scale."""
+        scales = self.scene.scales_of(len(self.chosen))
+        return on_signals(on_readings(network, *scales), *scales)

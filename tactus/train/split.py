@@ -26,6 +26,14 @@ class Split:
     validation: Numbers
     test: Numbers
 
+    def rows(self, part: str, every: int) -> Numbers:
+        """The rows of a part; "known" are those that train or choose, and "every" counts all."""
+        if part == "every":
+            return np.arange(every)
+        known = np.concatenate([self.training, self.validation])
+        rows: Numbers = known if part == "known" else getattr(self, part)
+        return rows
+
     @property
     def count(self) -> int:
         return sum(map(len, (self.training, self.validation, self.test)))

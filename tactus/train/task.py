@@ -87,6 +87,10 @@ class Task:
             for name, inputs in zip(columns, self.training.inputs.T, strict=False)
         ]
 
+    def rows(self, part: str) -> NDArray[np.int64]:
+        """The numbers of the recorded rows in one of ``PARTS``."""
+        return self.split.rows(part, len(self.recorded.codes))
+
     def bit_true(self, network: DenseNetwork, frames: Frames) -> Real:
         """Outputs of a network in the scene's hardware."""
         return SIGNAL.to_real(self.scene.build(network).process(frames.codes))
@@ -103,19 +107,12 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[DenseNetwork]) ->
 
     recorded_readings = readings(vectors.inputs, scene.scales(scene.inputs))
     sensors = [tap.sensor for tap in scene.window.taps]
-    places = {
-        "training": split.training,
-        "validation": split.validation,
-        "test": split.test,
-        "known": np.concatenate([split.training, split.validation]),
-        "every": np.arange(len(targets)),
-    }
 
     def frames(codes: Codes, rows: NDArray[np.int64]) -> Frames:
         return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
 
     def disturbed(part: str) -> Frames:
-        rows = places[part]
+        rows = split.rows(part, len(targets))
         disturbance = scene.training.disturbance
         if disturbance.none:
             return recorded.take(rows)
@@ -126,7 +123,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[DenseNetwork]) ->
         disturbed = [disturbance.of(recorded_readings[[row]], rng, sensors) for row in rows]
         return frames(scene.codes_of(np.concatenate(disturbed)), rows)
 
-    recorded = frames(vectors.codes, places["every"])
+    recorded = frames(vectors.codes, split.rows("every", len(targets)))
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
 
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import floor, log2
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -142,24 +142,19 @@ class Stages(search.Stages):
 
     edges: list[dict[str, int]] = field(default_factory=list)
 
-    def add(self, *candidate: Any) -> None:
-        task = self.task(self.chosen, len(self.chosen))
+    def trained(self, tasks: list[Task], *candidate: Any) -> list[Any]:
+        task, seen_more, seen_all = tasks
         found = train(task, *candidate)
         found = pruned(found, task.training, task.validation, Learned.error)
-        stages: list[Any] = [(self.chosen, found, task.training, task)]
-        if self.scene.training.refit:
-            for networks, part in ((self.tested, "known"), (self.written, "every")):
-                own = self.task(networks, len(self.chosen))
-                frames = getattr(own, part)
-                stages.append((networks, refitted(found, frames), frames, own))
-        else:
-            stages += [(self.tested, *stages[0][1:]), (self.written, *stages[0][1:])]
-        made = [as_read(own, as_layers(own, one, frames)) for _, one, frames, own in stages]
-        for (networks, *_), (_, read) in zip(stages, made, strict=True):
-            networks.append(read)
-        self.files.append(cast(Any, made[-1][0]))
         kinds = found.edges.kinds.tolist()
         self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})
+        networks: list[Any] = [as_layers(task, found, task.training)] * 3
+        if self.scene.training.refit:
+            networks[1:] = (
+                as_layers(seen, refitted(found, frames), frames)
+                for seen, frames in ((seen_more, seen_more.known), (seen_all, seen_all.every))
+            )
+        return networks
 
 
 @dataclass(frozen=True)
