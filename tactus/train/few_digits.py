@@ -47,7 +47,6 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.signed_digits import digit_counts, nearest_with
 from golden.trained.dense import DenseNetwork, packed, tanh, unpacked
-from tactus.scene.training import FEWEST
 from tactus.train.objective import LabelledRows, Objective, Rows
 from tactus.train.task import Frames, Task, shift_biases, signed_errors
 
@@ -421,7 +420,7 @@ def selected(aim: Rounding) -> DenseNetwork:
     def worst(network: DenseNetwork) -> float:
         return growth(aim.task, aim.network, network)
 
-    if settings.digits != FEWEST:
+    if isinstance(settings.digits, int):
         return min(aim.rounded(settings.digits), key=worst)
     best = grid.network(grid.rounded(aim.start))
     for price in aim.unit * np.geomspace(*PRICES, RUNGS):
