@@ -8,11 +8,11 @@ import pytest
 from pages import cells, section
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
-from golden.engine.graph import LOOKED_UP, Kind
+from golden.engine.graph import LOOKED_UP, Kind, Term
 from golden.engine.integer_network import evaluate
 from golden.learning.corrected import THETA, Corrected
 from golden.learning.gradient import Lesson, bounded, equation, lms_step, start
-from golden.learning.segments import NamedTerm, lms
+from golden.learning.segments import lms
 from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
@@ -288,15 +288,15 @@ def test_derivatives_are_those_of_the_network(
 
 
 def test_the_page_counts_the_steps_of_a_pass(taught: Corrected) -> None:
-    def what(term: NamedTerm) -> str:
+    def what(term: Term) -> str:
         if term.kind in LOOKED_UP:
             return "intercept or slope of the table"
         if term.kind is Kind.ONE:
             return "the number one times a weight"
-        return f"a word times a {'second word' if term.second else 'weight'}"
+        return f"a word times a {'second word' if term.second >= 0 else 'weight'}"
 
     program = lms(taught, [[20000, 3], [30000, 0], [90000, 70], [60000, 1]])
-    counted = Counter(what(term) for sums in program for one in sums for term in one.terms)
+    counted = Counter(what(term) for sums in program for one in sums.neurons for term in one.terms)
     page = section("learning", "As a program of an engine")
     assert len(counted) == 4
     for kind, count in counted.items():

@@ -19,12 +19,14 @@ from golden.activation.polynomial import normalised, polynomial_for
 from golden.activation.precise import Precise
 from golden.activation.schemes import SCHEMES, forms
 from golden.activation.segments import coefficient_codes, gradient_real
-from golden.engine.formats import DROPPED, HIDDEN, RESULT
+from golden.engine.formats import HIDDEN, RESULT
+from golden.engine.function_table import table_of
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
-from golden.numbers.fixed import Codes, Fix, cut
+from golden.numbers.fixed import Fix, cut
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from golden.numbers.transcendental import tanh_floors
+from golden.trained.function import TANH
 from tactus.report.activations import FACTORS, activation_table
 from tactus.report.measure.table import Table
 from tactus.scene.data import NUMBERS
@@ -291,21 +293,9 @@ HIDDEN_CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 FRAC = 40
 
 
-def table_results(width: int) -> Codes:
-    """tanh of every code from intercept and slope of its segment, exact and then rounded once."""
-    table = tanh_table(width)
-    segment = np.minimum(
-        np.where(HIDDEN_CODES < 0, ~HIDDEN_CODES, HIDDEN_CODES) >> width, len(table.slopes) - 1
-    )
-    middle = np.where(HIDDEN_CODES < 0, -1, 1) * np.array(table.intercepts)[segment]
-    distance = (HIDDEN_CODES & ((1 << width) - 1)) - (1 << (width - 1))
-    total = (middle << DROPPED) + np.array(table.slopes)[segment] * distance
-    return np.clip((total + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
-
-
 @pytest.mark.parametrize("width", WIDTHS)
 def test_a_table_is_within_one_unit_of_a_signal_monotone_and_odd(width: int) -> None:
-    found = table_results(width)
+    found = table_of(TANH, width).results(HIDDEN_CODES)
     floors = tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(HIDDEN_CODES) // 2 + 1, FRAC)
     exact = floors[np.abs(HIDDEN_CODES)] * np.where(HIDDEN_CODES < 0, -1, 1)
     off = np.abs((found << (FRAC - RESULT.frac)) - exact)

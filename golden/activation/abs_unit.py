@@ -36,11 +36,9 @@ class AbsUnit(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds a code"),
-            input_port("in_data", "code", self.fmt, "fmt"),
+            input_port("in_data", "code", self.fmt),
             output_port("out_valid", "`out_mag` and `out_negative` hold a result"),
-            output_port(
-                "out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac), "mag_width"
-            ),
+            output_port("out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac)),
             output_port("out_negative", "the code was below 0"),
         )
 

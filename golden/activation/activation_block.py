@@ -46,11 +46,9 @@ class ActivationBlock(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds a code"),
-            input_port("in_data", "q, or q / Q where sums are normalised", self.in_fmt, "in_fmt"),
+            input_port("in_data", "q, or q / Q where sums are normalised", self.in_fmt),
             output_port("out_valid", "`out_data` holds a result"),
-            output_port(
-                "out_data", "r, which stays at least as long as the input", self.out_fmt, "out_fmt"
-            ),
+            output_port("out_data", "r, which stays at least as long as the input", self.out_fmt),
         )
 
     def process(self, data: ArrayLike) -> Codes:

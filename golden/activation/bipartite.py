@@ -209,9 +209,9 @@ class BipartitePair(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds a code of either node"),
-            *group(input_port("in_data", "q of node *", node.in_fmt, "in_fmt"), NODES),
+            *group(input_port("in_data", "q of node *", node.in_fmt), NODES),
             output_port("out_valid", "`out_data` holds a result of either node"),
-            *group(output_port("out_data", "r of node *", node.out_fmt, "out_fmt"), NODES),
+            *group(output_port("out_data", "r of node *", node.out_fmt), NODES),
         )
 
     @property

@@ -53,15 +53,14 @@ class ComparatorBank(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_mag` holds a magnitude"),
-            input_port("in_mag", "magnitude of q, with its fraction bits", mag, "mag_width"),
+            input_port("in_mag", "magnitude of q, with its fraction bits", mag),
             output_port("out_valid", "`out_addr` and `out_mag` hold a result"),
             output_port(
                 "out_addr",
                 "segment number less one, which is the number of thresholds exceeded",
                 Unsigned(self.addr_width, last=len(self.thresholds)),
-                "addr_width",
             ),
-            output_port("out_mag", "`in_mag`, one clock later", mag, "mag_width"),
+            output_port("out_mag", "`in_mag`, one clock later", mag),
         )
 
     @property

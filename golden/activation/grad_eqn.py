@@ -71,27 +71,16 @@ class GradEqn(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "the three operands belong together and are valid"),
+            input_port("in_mag", "magnitude of q", Unsigned(self.mag_width, self.mag_frac)),
+            input_port("in_coeff", "gradient G_n", Unsigned(self.coeff_width, self.coeff_frac)),
             input_port(
-                "in_mag", "magnitude of q", Unsigned(self.mag_width, self.mag_frac), "mag_width"
-            ),
-            input_port(
-                "in_coeff",
-                "gradient G_n",
-                Unsigned(self.coeff_width, self.coeff_frac),
-                "coeff_width",
-            ),
-            input_port(
-                "in_intercept",
-                "intercept i_n",
-                Unsigned(self.intercept_width, self.intercept_frac),
-                "intercept_width",
+                "in_intercept", "intercept i_n", Unsigned(self.intercept_width, self.intercept_frac)
             ),
             output_port("out_valid", "`out_data` holds a result"),
             output_port(
                 "out_data",
                 "magnitude of the activation",
                 Unsigned(self.out_fmt.width - 1, self.out_fmt.frac),
-                "out_fmt.width - 1",
             ),
         )
 

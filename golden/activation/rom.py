@@ -44,8 +44,8 @@ class Rom(Block):
     def ports(self) -> tuple[Port, ...]:
         address, word = self.port_meanings
         return (
-            input_port("addr", address, Unsigned(self.addr_width), "addr_width"),
-            output_port("word", word, Unsigned(self.width, self.frac), "width"),
+            input_port("addr", address, Unsigned(self.addr_width)),
+            output_port("word", word, Unsigned(self.width, self.frac)),
         )
 
     def facts(self) -> tuple[str, ...]:

@@ -32,12 +32,10 @@ class SignRetriever(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_mag` and `in_negative` are valid"),
-            input_port(
-                "in_mag", "magnitude", Unsigned(self.fmt.width - 1, self.fmt.frac), "fmt.width - 1"
-            ),
+            input_port("in_mag", "magnitude", Unsigned(self.fmt.width - 1, self.fmt.frac)),
             input_port("in_negative", "the result is to be negative"),
             output_port("out_valid", "`out_data` holds a result"),
-            output_port("out_data", "the magnitude with its sign", self.fmt, "fmt"),
+            output_port("out_data", "the magnitude with its sign", self.fmt),
         )
 
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:

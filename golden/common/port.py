@@ -35,8 +35,6 @@ class Port:
     direction: "in" or "out".
     meaning: Description in one line. For a group, ``*`` stands for the number of the port.
     kind: Format of the codes; None is a single bit.
-    constant: The constant of the twin that gives the format; empty if the format is always the
-        same.
     number: The port's number in its group.
     """
 
@@ -44,7 +42,6 @@ class Port:
     direction: str
     meaning: str
     kind: Fix | Unsigned | None = None
-    constant: str = ""
     number: int | None = None
 
     @property
@@ -72,18 +69,14 @@ class Port:
         return f"{kind}{meaning}"
 
 
-def input_port(
-    name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = ""
-) -> Port:
+def input_port(name: str, meaning: str, kind: Fix | Unsigned | None = None) -> Port:
     """An input port."""
-    return Port(name, "in", meaning, kind, constant)
+    return Port(name, "in", meaning, kind)
 
 
-def output_port(
-    name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = ""
-) -> Port:
+def output_port(name: str, meaning: str, kind: Fix | Unsigned | None = None) -> Port:
     """An output port."""
-    return Port(name, "out", meaning, kind, constant)
+    return Port(name, "out", meaning, kind)
 
 
 def group(port: Port, count: int) -> tuple[Port, ...]:

@@ -35,9 +35,9 @@ class OperandMemory(Block):
         return (
             CLOCK,
             input_port("write", "`data` is written"),
-            input_port("write_addr", "address of the write", addr, "addr_width"),
+            input_port("write_addr", "address of the write", addr),
             input_port("data", "a sample or a result, whose format is that of its neuron", WORD),
-            input_port("read_addr", "address of the read", addr, "addr_width"),
+            input_port("read_addr", "address of the read", addr),
             output_port("word", f"the word at `read_addr`, {later(self.latency)}", WORD),
         )
 
@@ -101,7 +101,6 @@ class LaneAccumulate(Accumulator):
                     "gather",
                     "two clocks later than `word`: the sum is added that has the number of the bit",
                     Unsigned(self.partners),
-                    "partners",
                 ),
                 *group(input_port("other", "sum * of another lane", acc), self.partners),
             )
@@ -252,7 +251,7 @@ class TableAddress(Block):
         return (
             CLOCK,
             input_port("q", "a hidden sum", HIDDEN),
-            output_port("addr", "segment of q, one clock later", addr, "addr_width"),
+            output_port("addr", "segment of q, one clock later", addr),
         )
 
 

@@ -49,10 +49,7 @@ class FrameCheck(Block):
             output_port("run", "a frame is computed"),
             output_port("write", "high one clock after an accepted sample or a result"),
             output_port(
-                "write_addr",
-                "address of that sample or result",
-                Unsigned(self.addr_width),
-                "addr_width",
+                "write_addr", "address of that sample or result", Unsigned(self.addr_width)
             ),
             BROKEN,
         )
@@ -111,14 +108,14 @@ class FrameGuard(Block):
         return (
             *JUDGED,
             input_port("halt", "no frame is accepted; never high while `busy` is"),
-            input_port("before_last", "samples of a frame minus 2", addr, "addr_width"),
+            input_port("before_last", "samples of a frame minus 2", addr),
             input_port("store", "a result is ready; only while `run` is high"),
             input_port("finish", "the last output of the frame leaves"),
             output_port("start", "the program's first step is done in the next clock"),
             output_port("run", "a frame is computed"),
             output_port("busy", "a frame is being computed or is about to be"),
             output_port("write", "high one clock after an accepted sample or a result"),
-            output_port("write_addr", "address of that sample or result", addr, "addr_width"),
+            output_port("write_addr", "address of that sample or result", addr),
             output_port("frame_error", "high for one clock, one clock after what breaks a frame"),
         )
 

@@ -23,7 +23,7 @@ slopes fit, and the next layer's weights allow for it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -55,17 +55,41 @@ MOST_WORDS = 1 << 14
 class FunctionTable:
     """The lines of one function.
 
+    width: Bits of q within a segment.
     result: Format of the function's values.
     both: Whether there is a block for negative q.
     intercepts, slopes: The words of the block, or of both blocks.
-    error: The largest distance of a result from the function, over every code of q.
     """
 
+    function: Function
+    width: int
     result: Fix
     both: bool
     intercepts: tuple[int, ...]
     slopes: tuple[int, ...]
-    error: float
+
+    @cached_property
+    def error(self) -> float:
+        """The largest distance of a result from the function, over every code of q."""
+        codes = np.arange(HIDDEN.low, HIDDEN.high + 1)
+        found = self.result.to_real(self.results(codes))
+        return float(np.abs(found - self.function.value(HIDDEN.to_real(codes))).max())
+
+    def results(self, q: Codes) -> Codes:
+        """The codes of the function that an engine computes for codes of q."""
+        word = (self.sums(q) + (1 << (DROPPED - 1))) >> DROPPED
+        return np.asarray(np.clip(word, RESULT.low, RESULT.high), dtype=np.int64)
+
+    def sums(self, q: Codes) -> Codes:
+        """The lines of the table at codes of q, in units of a product."""
+        negative = q < 0
+        per = len(self.slopes) // (1 + self.both)
+        segment = np.minimum(np.where(negative, ~q, q) >> self.width, per - 1)
+        segment += per * (negative & self.both)
+        one = np.where(negative, -1, 1) << DROPPED
+        distance = (q & ((1 << self.width) - 1)) - (1 << (self.width - 1))
+        intercept, slope = (np.take(words, segment) for words in (self.intercepts, self.slopes))
+        return np.asarray(intercept * one + slope * distance, dtype=np.int64)
 
 
 @lru_cache
@@ -86,8 +110,7 @@ def table_of(function: Function, width: int) -> FunctionTable:
     """
     if function == TANH:
         lines = tanh_table(width)
-        words = np.array(lines.intercepts), np.array(lines.slopes)
-        return _measured(function, width, RESULT, False, words)
+        return FunctionTable(function, width, RESULT, False, lines.intercepts, lines.slopes)
     if not LEAST_WIDTH <= width <= MOST_WIDTH:
         raise InputError(
             f"segment_width: got {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} for functions "
@@ -245,41 +268,10 @@ def _fitted(function: Function, width: int, result: Fix) -> FunctionTable:
     both = not is_odd(function)
     if both:
         middles[len(middles) // 2 :] *= -1
-    words = middles.astype(np.int64), slopes.astype(np.int64)
-    return _measured(function, width, result, both, words)
+    words = (tuple(part.astype(np.int64).tolist()) for part in (middles, slopes))
+    return FunctionTable(function, width, result, both, *words)
 
 
 def _rounded(values: Real) -> Real:
     found: Real = np.floor(values + (0.5 + _NUDGE))
     return found
-
-
-def _measured(
-    function: Function, width: int, result: Fix, both: bool, words: tuple[Codes, Codes]
-) -> FunctionTable:
-    """A table with its largest error over every code of q."""
-    codes = np.arange(HIDDEN.low, HIDDEN.high + 1)
-    found = result.to_real(table_results(width, both, words, codes))
-    error = float(np.abs(found - function.value(HIDDEN.to_real(codes))).max())
-    intercepts, slopes = (tuple(part.tolist()) for part in words)
-    return FunctionTable(result, both, intercepts, slopes, error)
-
-
-def table_results(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
-    """The codes of a function that an engine computes for codes of q."""
-    word = (table_sums(width, both, words, q) + (1 << (DROPPED - 1))) >> DROPPED
-    return np.asarray(np.clip(word, RESULT.low, RESULT.high), dtype=np.int64)
-
-
-def table_sums(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
-    """The lines of a function's table at codes of q, in units of a product.
-
-    words: Intercepts and slopes; see ``FunctionTable``.
-    """
-    intercepts, slopes = words
-    negative = q < 0
-    per = len(slopes) // (1 + both)
-    segment = np.minimum(np.where(negative, ~q, q) >> width, per - 1) + per * (negative & both)
-    one = np.where(negative, -1, 1) << DROPPED
-    distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
-    return np.asarray(intercepts[segment] * one + slopes[segment] * distance, dtype=np.int64)

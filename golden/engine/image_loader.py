@@ -65,18 +65,10 @@ class ImageLoader(Block):
             output_port("load_ready", "a byte is taken in this clock if there is one"),
             output_port("halt", "no frame is accepted in this clock"),
             output_port("write", "`word` is written to the program memory"),
-            output_port(
-                "write_addr",
-                "address of `word`",
-                Unsigned(self.program_addr_width),
-                "program_addr_width",
-            ),
+            output_port("write_addr", "address of `word`", Unsigned(self.program_addr_width)),
             output_port("word", "a word of the image", Unsigned(WORD_WIDTH)),
             output_port(
-                "before_last",
-                "samples of a frame minus 2",
-                Unsigned(self.operand_addr_width),
-                "operand_addr_width",
+                "before_last", "samples of a frame minus 2", Unsigned(self.operand_addr_width)
             ),
             output_port("image_error", "the last image was not valid"),
         )

@@ -11,9 +11,10 @@ rounds each sum to a code, clips the code, and shifts it left to the place of a 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from operator import mul
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.function_table import table_of
@@ -80,36 +81,37 @@ class IntegerLayer:
         added = (function for node in self.added for _, function in node)
         return tuple(dict.fromkeys((*self.functions, *added)))
 
-    def sums(self, words: Sequence[int], segment_width: int) -> list[int]:
-        """The sum of each node."""
-        return [
-            start
-            + sum(map(mul, row, words))
-            + sum(line_at(function, segment_width, words[k]) for k, function in self.added_to(j))
-            for j, (start, row) in enumerate(zip(self.starts, self.weights, strict=True))
-        ]
+    def sums(self, words: Codes, segment_width: int) -> NDArray[Any]:
+        """The sum of each node, shape (frames, nodes), in Python's integers."""
+        found = words.astype(object) @ np.array(self.weights, dtype=object).T
+        found += np.array(self.starts, dtype=object)
+        for node, added in enumerate(self.added):
+            for word, function in added:
+                found[:, node] += table_of(function, segment_width).sums(words[:, word])
+        return found
 
-    def rounded(self, total: int) -> int:
-        """The code of a sum, before it is clipped."""
-        code, rest = divmod(total, 1 << self.shift)
-        twice, whole = 2 * rest, 1 << self.shift
-        if self.rounding is LayerRounding.DOWN:
-            return code
-        halfway_up = self.rounding is LayerRounding.UP or code % 2 == 1
-        return code + (twice > whole or (twice == whole and halfway_up))
+    def rounded(self, totals: Any) -> Any:
+        """The code of each sum, before it is clipped."""
+        half = 1 << (self.shift - 1)
+        added = {
+            LayerRounding.DOWN: 0,
+            LayerRounding.UP: half,
+            # Half way between two codes, only an odd one is passed.
+            LayerRounding.EVEN: half - 1 + (totals >> self.shift & 1),
+        }
+        return (totals + added[self.rounding]) >> self.shift
 
-    def code(self, total: int) -> int:
-        """The code of a sum."""
-        return max(self.low, min(self.high, self.rounded(total)))
+    def codes(self, totals: Any) -> Codes:
+        """The code of each sum."""
+        return np.asarray(np.clip(self.rounded(totals), self.low, self.high), dtype=np.int64)
 
-    def words_for_next_layer(self, codes: Sequence[int], segment_width: int) -> list[int]:
+    def words_for_next_layer(self, codes: Codes, segment_width: int) -> Codes:
         """The words that the next layer takes."""
-        words = [code << self.cut for code in codes]
+        words = codes << self.cut
         if self.leaky:
-            return [word for pair in ((w, max(0, w)) for w in words) for word in pair]
-        if self.functions:
-            pairs = zip(self.functions, words, strict=True)
-            return [looked_up(function, segment_width, word) for function, word in pairs]
+            words = np.stack([words, np.maximum(0, words)], axis=-1).reshape(len(words), -1)
+        for node, function in enumerate(self.functions):
+            words[:, node] = table_of(function, segment_width).results(words[:, node])
         return words
 
 
@@ -129,24 +131,22 @@ class IntegerNetwork:
     layers: tuple[IntegerLayer, ...]
     segment_width: int
 
-    def run(self, words: Sequence[int]) -> Iterator[tuple[list[int], list[int]]]:
-        """The sums and the codes of each layer, for the words of one frame."""
+    def run(self, words: Codes) -> Iterator[tuple[NDArray[Any], Codes]]:
+        """The sums and the codes of each layer, shape (frames, nodes), for the words of frames."""
         for layer in self.layers:
             sums = layer.sums(words, self.segment_width)
-            codes = [layer.code(total) for total in sums]
+            codes = layer.codes(sums)
             yield sums, codes
             words = layer.words_for_next_layer(codes, self.segment_width)
 
     def hidden_codes(self, frames: Codes) -> list[Codes]:
         """The codes of each hidden layer, shape (frames, nodes), for frames of samples alone."""
-        found = [[codes for _, codes in self.run(words)] for words in sample_words(frames)]
-        return [np.array(codes) for codes in list(zip(*found, strict=True))[:-1]]
+        return [codes for _, codes in self.run(sample_words(frames))][:-1]
 
 
-def sample_words(frames: Codes) -> list[list[int]]:
-    """The words of the samples of each frame."""
-    found: list[list[int]] = (np.asarray(frames, dtype=np.int64) << SAMPLE_SHIFT).tolist()
-    return found
+def sample_words(frames: Codes) -> Codes:
+    """The words of the samples of frames."""
+    return np.asarray(frames, dtype=np.int64) << SAMPLE_SHIFT
 
 
 def evaluate(networks: Sequence[IntegerNetwork], frames: Codes) -> Codes:
@@ -155,28 +155,8 @@ def evaluate(networks: Sequence[IntegerNetwork], frames: Codes) -> Codes:
     networks: Each may take outputs of those before it.
     frames: shape (frames, samples).
     """
-    found = []
-    for words in sample_words(frames):
-        outputs: list[int] = []
-        for network in networks:
-            *_, (_, codes) = network.run([*words, *outputs[: network.earlier]])
-            outputs += codes
-        found.append([word >> OUTPUT_SHIFT for word in outputs])
-    return np.array(found)
-
-
-def looked_up(function: Function, segment_width: int, q: int) -> int:
-    """The word of a function of the word q, from its table."""
-    total = line_at(function, segment_width, q)
-    return max(RESULT.low, min(RESULT.high, (total + (1 << (DROPPED - 1))) >> DROPPED))
-
-
-def line_at(function: Function, segment_width: int, q: int) -> int:
-    """The line of a function's table at the word q, in units of a product."""
-    table = table_of(function, segment_width)
-    span, segments = 1 << segment_width, len(table.slopes) // (1 + table.both)
-    segment = min((q if q >= 0 else -q - 1) // span, segments - 1)
-    if table.both and q < 0:
-        segment += segments
-    one = 1 << DROPPED if q >= 0 else -(1 << DROPPED)
-    return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
+    words = sample_words(frames)
+    for network in networks:
+        *_, (_, codes) = network.run(words[:, : network.samples + network.earlier])
+        words = np.hstack([words, codes])
+    return words[:, frames.shape[1] :] >> OUTPUT_SHIFT

@@ -129,7 +129,7 @@ class LaneMemory(Block):
         )
         return (
             CLOCK,
-            input_port("place", f"address of a weight{named}", place, "place_width"),
+            input_port("place", f"address of a weight{named}", place),
             *(looks if self.table else ()),
             *(puts if self.written else ()),
             output_port("coeff", "weight or word of the table, one clock later", Unsigned(WIDTH)),

@@ -79,9 +79,7 @@ class ProgramRam(Block):
         return (
             *COUNTER_PORTS,
             input_port("write", "`data` is written, and nothing is read"),
-            input_port(
-                "write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"
-            ),
+            input_port("write_addr", "address of the write", Unsigned(self.addr_width)),
             input_port("data", "a word of an image", word),
             output_port(
                 "word",

@@ -69,6 +69,8 @@ class LineTable:
 
 # For each w, the bits of the distance within a segment, where the table ends. The word of the last
 # segment also serves every q beyond, where its error is no larger than that of the lines before.
+# With 6.5 or more, a line would reach 1 before the last segment, which is more than the last word,
+# so the table would not be monotone.
 ENDS = {7: Fraction(6), 8: Fraction(11, 2), 9: Fraction(5)}
 _FRAC = 40
 
@@ -78,18 +80,6 @@ def tanh_table(width: int) -> LineTable:
     """The words of every segment.
 
     width: 9, 8 or 7: 160 segments of 1/32, 352 of 1/64 or 768 of 1/128.
-    """
-    if width not in ENDS:
-        raise InputError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
-    return fitted(width, ENDS[width])
-
-
-def fitted(width: int, end: Fraction) -> LineTable:
-    """The words of the segments from 0 up to an end.
-
-    width: See ``LineTable``.
-    end: A multiple of a segment's width, 6 at most. With 6.5 or more, a line would reach 1 before
-        the last segment, which is more than the last word, so the table would not be monotone.
 
     The lines meet at the borders of the segments. There each line lies above tanh by half the
     amount by which a chord lies below it in the middle, so the error at the ends is as large as in
@@ -101,8 +91,10 @@ def fitted(width: int, end: Fraction) -> LineTable:
     Making a slope odd moves a border by 2**-6 units of the result at most, which no rounding
     notices.
     """
+    if width not in ENDS:
+        raise InputError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
     step = Fraction(1, 1 << (HIDDEN.frac - width))
-    segments = int(end / step)
+    segments = int(ENDS[width] / step)
     curve = tanh_floors(step, segments, _FRAC)
     borders = [0]
     # A slope must stay below 1. The odd slope below 1 is the largest code.

@@ -44,7 +44,7 @@ class PulseDensity(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            input_port("in_data", "the code, in every clock", self.fmt, "fmt"),
+            input_port("in_data", "the code, in every clock", self.fmt),
             output_port("out_bit", "the bit; from a register"),
         )
 

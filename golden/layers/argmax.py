@@ -46,7 +46,7 @@ class Argmax(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds an output"),
-            input_port("in_data", "output y, one after the other", self.fmt, "fmt"),
+            input_port("in_data", "output y, one after the other", self.fmt),
             input_port("in_last", "the output is the last of the frame"),
             *self.result_ports("out"),
         )
@@ -58,14 +58,11 @@ class Argmax(Block):
                 f"{name}_valid",
                 f"`{name}_index` and `{name}_margin` are those of a frame; high for one clock",
             ),
-            output_port(
-                f"{name}_index", "number of the largest output, from 0", self.index_fmt, "outputs"
-            ),
+            output_port(f"{name}_index", "number of the largest output, from 0", self.index_fmt),
             output_port(
                 f"{name}_margin",
                 "how far the second largest output is below the largest",
                 self.margin_fmt,
-                "fmt",
             ),
         )
 
@@ -142,7 +139,7 @@ class ArgmaxTree(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            *group(input_port("in_data", "output y, number *", self.fmt, "fmt"), self.outputs),
+            *group(input_port("in_data", "output y, number *", self.fmt), self.outputs),
             *(port for port in self.serial.result_ports("out") if port.kind),
         )
 

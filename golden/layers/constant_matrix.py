@@ -206,8 +206,8 @@ class ConstantMatrix(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            *group(input_port("in_data", "sample *", self.in_fmt, "in_fmt"), self.inputs),
-            *group(output_port("out_data", "result *", self.out_fmt, "out_fmt"), len(self.weights)),
+            *group(input_port("in_data", "sample *", self.in_fmt), self.inputs),
+            *group(output_port("out_data", "result *", self.out_fmt), len(self.weights)),
         )
 
     @property

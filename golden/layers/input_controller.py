@@ -117,7 +117,6 @@ class InputController(Block):
                 "addr",
                 "position of the sample in its frame, in the same clock",
                 Unsigned(self.addr_width, last=self.inputs - 1),
-                "addr_width",
             ),
             output_port("preset", "two clocks after the first sample of a frame"),
             output_port("accumulate", "two clocks after each accepted sample"),

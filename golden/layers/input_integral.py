@@ -35,7 +35,7 @@ class InputNode(WeightedSum):
     @property
     def sample(self) -> Port:
         """The sample that all nodes of a layer share."""
-        return input_port("in_data", "a sample", self.in_fmt, "in_fmt")
+        return input_port("in_data", "a sample", self.in_fmt)
 
     @property
     def controls(self) -> tuple[Port, ...]:
@@ -59,16 +59,13 @@ class InputNode(WeightedSum):
         return (
             CLOCK,
             self.sample,
-            input_port(
-                "weight", "weight of the sample, in the same clock", self.coeff_fmt, "coeff_fmt"
-            ),
-            input_port("bias", "bias, in the clock of `preset`", self.coeff_fmt, "coeff_fmt"),
+            input_port("weight", "weight of the sample, in the same clock", self.coeff_fmt),
+            input_port("bias", "bias, in the clock of `preset`", self.coeff_fmt),
             *self.controls,
             output_port(
                 "out_data",
                 "q, or q / Q where sums are normalised; held until the next `capture`",
                 self.out_fmt,
-                "out_fmt",
             ),
         )
 
@@ -111,7 +108,6 @@ class InputIntegral(RowSums):
             "out_q",
             "hidden node *: q, or q / Q where sums are normalised; held until the next `capture`",
             self.out_fmt,
-            "out_fmt",
         )
         return (
             CLOCK,
@@ -120,7 +116,6 @@ class InputIntegral(RowSums):
                 "addr",
                 "position of the sample in its frame, in the same clock",
                 Unsigned(self.addr_width, last=self.inputs - 1),
-                "addr_width",
             ),
             *node.controls,
             *group(q, self.hidden),

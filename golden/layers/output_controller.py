@@ -51,7 +51,6 @@ class OutputController(Block):
                 "addr",
                 "row of weights, 0 in the clock of `in_valid`, then one row a clock",
                 Unsigned(self.addr_width, last=self.outputs - 1),
-                "addr_width",
             ),
             output_port("out_valid", "`addr` holds a row"),
             output_port("out_last", "the row is the last of the frame"),

@@ -43,7 +43,7 @@ class OutputIntegral(RowSums):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        r = input_port("in_r", "r of hidden node *", self.in_fmt, "in_fmt")
+        r = input_port("in_r", "r of hidden node *", self.in_fmt)
         return (
             *CLOCKED,
             input_port(
@@ -51,14 +51,11 @@ class OutputIntegral(RowSums):
             ),
             input_port("in_last", "the row is the last of the frame"),
             input_port(
-                "in_addr",
-                "row, 0 to outputs - 1",
-                Unsigned(self.addr_width, last=self.outputs - 1),
-                "addr_width",
+                "in_addr", "row, 0 to outputs - 1", Unsigned(self.addr_width, last=self.outputs - 1)
             ),
             *group(r, self.hidden),
             output_port("out_valid", "`out_data` holds an output"),
-            output_port("out_data", "output y", self.out_fmt, "out_fmt"),
+            output_port("out_data", "output y", self.out_fmt),
             output_port("out_last", "the output is the last of the frame"),
         )
 

@@ -54,10 +54,9 @@ from golden.engine.formats import (
     coeff_frac,
     word_of,
 )
-from golden.engine.function_table import table_sums
+from golden.engine.function_table import table_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
 from golden.engine.quantise import integer_networks
-from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.real import Real
@@ -175,7 +174,7 @@ class Corrected:
         """The words of tanh of a network, shape (drifts, nodes), of samples and earlier outputs."""
         network = self.networks[number]
         q = rounded(_sums(network.layers[0], words))
-        return rounded(table_sums(network.segment_width, False, self._table, q))
+        return rounded(table_of(TANH, network.segment_width).sums(q))
 
     def output(self, number: int, hidden: Codes) -> Codes:
         """The word of an output with half a unit of it, as engines keep it, shape (drifts, 1)."""
@@ -194,11 +193,6 @@ class Corrected:
         for number in range(self.outputs):
             words = np.hstack([words, self.output(number, self.hidden(number, words))])
         return np.asarray(words[:, self.sensors :] >> OUTPUT_SHIFT, dtype=np.int64)
-
-    @cached_property
-    def _table(self) -> tuple[Codes, Codes]:
-        found = tanh_table(self.networks[0].segment_width)
-        return np.array(found.intercepts), np.array(found.slopes)
 
 
 def _sums(layer: IntegerLayer, words: Codes) -> Codes:

@@ -38,10 +38,9 @@ from golden.learning.corrected import SHORT, Corrected
 from golden.learning.places import Places
 from golden.learning.segments import (
     Slot,
-    Sum,
+    Sums,
     corrected,
     going_to,
-    graph_of_sums,
     lms,
     moved,
     slots,
@@ -258,7 +257,7 @@ def lesson_program(
     """
     parts = _Parts(taught, graph)
     program = lms(taught, constants)
-    counts = [len(sums) - 2 * taught.sensors for sums in program]
+    counts = [len(sums.neurons) - 2 * taught.sensors for sums in program]
     places = Places(
         taught.sensors,
         taught.outputs,
@@ -291,7 +290,9 @@ class _Parts:
             *(Slot(Kind.ONE, 0, 0, first=True, store=True, note=note) for note in zeros),
         ]
         # The first results behind theta go to address 0.
-        before = graph_of_sums(list(corrected(self.taught)), names)
+        sums = Sums(names)
+        corrected(sums, self.taught)
+        before = sums.graph
         made = before.inputs + len(before.neurons)
         to = {-1: -1} | {k: before.inputs + 3 * k + 2 for k in range(sensors)}
         to |= {sensors + n: made + n for n in range(len(self.graph.neurons))}
@@ -317,26 +318,21 @@ class _Parts:
             found.append(replace(known, store=True, note=f"placement: known {k}, done"))
         return found
 
-    def equation(self, places: Places, sums: Sequence[Sum]) -> list[Slot]:
+    def equation(self, places: Places, sums: Sums) -> list[Slot]:
         """The equation of an output, and the theta that follows from it."""
-        unknowns = places.unknowns
-        names = [
-            *(f"sample {k}" for k in range(self.taught.sensors)),
-            *(f"known {k}" for k in range(self.taught.outputs)),
-            *(f"theta {k}" for k in range(unknowns)),
-        ]
-        graph = graph_of_sums(sums[:-unknowns], names)
+        unknowns, names, neurons = places.unknowns, sums.names, sums.graph.neurons
+        graph = Graph(len(names), neurons[:-unknowns])
         done = schedule(graph, self.pipeline, self._plan({}))
         addresses = self._external(places, names, kept=True) | _results(graph, done)
         body = [going_to(0), *slots(graph, done, names, addresses)]
         # The new theta, whose addresses are in their order.
-        known = [*names, *(one.name for one in sums[:-unknowns])]
+        known = [*names, *(one.name for one in graph.neurons)]
         early = {
             graph.inputs + step.neuron: n + self.pipeline.result_ready - len(done)
             for n, step in enumerate(done)
             if step.last
         }
-        after = graph_of_sums(sums[-unknowns:], known)
+        after = Graph(len(known), neurons[-unknowns:])
         order: list[Step] = []
         for n in range(unknowns):
             ready = dict.fromkeys(range(-1, after.inputs), 0)

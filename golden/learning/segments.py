@@ -30,114 +30,110 @@ _WORD = Fix(WIDTH, 0)
 _TABLE = {Kind.INTERCEPT: "intercept of the table", Kind.DISTANCE: "slope of the table"}
 
 
-@dataclass(frozen=True)
-class NamedTerm:
-    """A term of an engine, with the names of words in the place of their numbers; empty for none.
+class Sums:
+    """Sums as neurons of an engine, whose words are called by names.
 
-    With a ``second`` word it is a product of two words, which is not in an engine that does not
+    With a second word, a term is a product of two words, which is not in an engine that does not
     learn.
+
+    names: Those of the words that are in the memory before.
     """
 
-    kind: Kind
-    source: str
-    weight: int = 0
-    second: str = ""
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = names
+        self.neurons: list[Neuron] = []
+        self._numbers = {name: n for n, name in enumerate(names)}
+
+    @property
+    def graph(self) -> Graph:
+        return Graph(len(self.names), tuple(self.neurons))
+
+    def add(self, name: str, *terms: Term, output: bool = False) -> None:
+        """Append a sum; with ``output`` it begins with half a unit of an output, not of a word."""
+        self._numbers[name] = len(self._numbers)
+        self.neurons.append(Neuron(name, RESULT, terms, output=output))
+
+    def by(self, name: str, weight: int) -> Term:
+        """A word times a weight."""
+        return Term(Kind.WORD, self._numbers[name], weight)
+
+    def times(self, name: str, second: str) -> Term:
+        """A word times a second word."""
+        return Term(Kind.WORD, self._numbers[name], 0, second=self._numbers[second])
+
+    def whole(self, name: str, sign: int = 1) -> Term:
+        """A word itself, as a term of a sum in its own format."""
+        return self.by(name, sign << DROPPED)
+
+    def looked_up(self, name: str) -> Iterator[Term]:
+        """The terms of tanh of a word."""
+        return (Term(kind, self._numbers[name], 0) for kind in LOOKED_UP)
 
 
-@dataclass(frozen=True)
-class Sum:
-    """A sum of products.
-
-    name: The name of its word.
-    output: Whether it begins with half a unit of an output, and not of a word.
-    """
-
-    name: str
-    terms: tuple[NamedTerm, ...]
-    output: bool = False
-
-
-def one(weight: int) -> Iterator[NamedTerm]:
+def one(weight: int) -> Iterator[Term]:
     """The number one times a weight, in as many steps as the weight needs."""
     while weight:
         part = max(_WORD.low, min(_WORD.high, weight))
-        yield NamedTerm(Kind.ONE, "", part)
+        yield Term(Kind.ONE, -1, part)
         weight -= part
 
 
-def by(source: str, weight: int) -> NamedTerm:
-    """A word times a weight."""
-    return NamedTerm(Kind.WORD, source, weight)
-
-
-def times(source: str, second: str) -> NamedTerm:
-    """A word times a second word."""
-    return NamedTerm(Kind.WORD, source, second=second)
-
-
-def whole(source: str, sign: int = 1) -> NamedTerm:
-    """A word itself, as a term of a sum in its own format."""
-    return by(source, sign << DROPPED)
-
-
-def lms(taught: Corrected, constants: Sequence[Sequence[int]]) -> list[list[Sum]]:
-    """The sums of the equation of each output.
+def lms(taught: Corrected, constants: Sequence[Sequence[int]]) -> list[Sums]:
+    """The sums of the equation of each output; those of the new theta are the last ones.
 
     constants: The step and the leak of each output; see ``golden.learning.gradient``.
     """
-    return [
-        [
-            *corrected(taught),
-            *_network(taught, k),
-            *_row(taught, k),
-            Sum("step", (by("error", step),)),
-            *_new_theta(taught, leak),
-        ]
-        for k, (step, leak) in enumerate(constants)
-    ]
+    counts = {"sample": taught.sensors, "known": taught.outputs, "theta": 2 * taught.sensors}
+    names = [f"{what} {k}" for what, count in counts.items() for k in range(count)]
+    found = []
+    for output, (step, leak) in enumerate(constants):
+        sums = Sums(names)
+        corrected(sums, taught)
+        _network(sums, taught, output)
+        _row(sums, taught, output)
+        sums.add("step", sums.by("error", step))
+        for k in range(2 * taught.sensors):
+            kept = sums.by(f"theta {k}", (1 << DROPPED) - leak)
+            sums.add(f"new theta {k}", kept, sums.times("step", f"row {k}"))
+        found.append(sums)
+    return found
 
 
-def corrected(taught: Corrected) -> Iterator[Sum]:
-    """The sums of the corrected samples."""
+def corrected(sums: Sums, taught: Corrected) -> None:
+    """Add the corrected samples."""
     pairs = zip(taught.gains.tolist(), taught.offsets.tolist(), strict=True)
     for k, (gain, offset) in enumerate(pairs):
-        yield Sum(f"gain {k}", (by(f"theta {k}", gain),))
-        yield Sum(f"offset {k}", (by(f"theta {taught.sensors + k}", offset),))
-        terms = whole(f"sample {k}"), times(f"gain {k}", f"sample {k}"), whole(f"offset {k}")
-        yield Sum(f"z {k}", terms)
+        sums.add(f"gain {k}", sums.by(f"theta {k}", gain))
+        sums.add(f"offset {k}", sums.by(f"theta {taught.sensors + k}", offset))
+        scaled = sums.times(f"gain {k}", f"sample {k}")
+        sums.add(f"z {k}", sums.whole(f"sample {k}"), scaled, sums.whole(f"offset {k}"))
 
 
-def _network(taught: Corrected, output: int) -> Iterator[Sum]:
+def _network(sums: Sums, taught: Corrected, output: int) -> None:
     hidden, last = taught.networks[output].layers
     seen = [f"z {k}" for k in range(taught.sensors)] + [f"known {k}" for k in range(output)]
     for j, (row, begun) in enumerate(zip(hidden.weights, hidden.starts, strict=True)):
-        terms = [by(name, weight) for name, weight in zip(seen, row, strict=True)]
-        yield Sum(f"q {j}", (*one(begun >> DROPPED), *terms))
-        yield Sum(f"h {j}", tuple(NamedTerm(kind, f"q {j}") for kind in LOOKED_UP))
+        terms = (sums.by(name, weight) for name, weight in zip(seen, row, strict=True))
+        sums.add(f"q {j}", *one(begun >> DROPPED), *terms)
+        sums.add(f"h {j}", *sums.looked_up(f"q {j}"))
     # An engine begins the sum of an output with what the start holds to round it.
     begun = (last.starts[0] - start_of(True)) >> DROPPED
-    terms = [by(f"h {j}", weight) for j, weight in enumerate(last.weights[0])]
-    yield Sum("y", (*one(begun), *terms), output=True)
-    yield Sum("error", (whole(f"known {output}"), whole("y", -1)))
+    terms = (sums.by(f"h {j}", weight) for j, weight in enumerate(last.weights[0]))
+    sums.add("y", *one(begun), *terms, output=True)
+    sums.add("error", sums.whole(f"known {output}"), sums.whole("y", -1))
 
 
-def _row(taught: Corrected, output: int) -> Iterator[Sum]:
+def _row(sums: Sums, taught: Corrected, output: int) -> None:
     of_one, of_square = taught.slope_weights[output]
     gains, offsets = row_weights(taught)
     for j in range(len(of_square)):
-        yield Sum(f"square {j}", (times(f"h {j}", f"h {j}"),))
+        sums.add(f"square {j}", sums.times(f"h {j}", f"h {j}"))
     for k in range(taught.sensors):
-        terms = [by(f"square {j}", -int(weight)) for j, weight in enumerate(of_square[:, k])]
-        yield Sum(f"slope {k}", (*one(int(of_one[k])), *terms))
-        yield Sum(f"by gain {k}", (times(f"slope {k}", f"sample {k}"),))
-        yield Sum(f"row {k}", (by(f"by gain {k}", int(gains[k])),))
-        yield Sum(f"row {taught.sensors + k}", (by(f"slope {k}", int(offsets[k])),))
-
-
-def _new_theta(taught: Corrected, leak: int) -> Iterator[Sum]:
-    for k in range(2 * taught.sensors):
-        kept = by(f"theta {k}", (1 << DROPPED) - leak)
-        yield Sum(f"new theta {k}", (kept, times("step", f"row {k}")))
+        terms = (sums.by(f"square {j}", -int(weight)) for j, weight in enumerate(of_square[:, k]))
+        sums.add(f"slope {k}", *one(int(of_one[k])), *terms)
+        sums.add(f"by gain {k}", sums.times(f"slope {k}", f"sample {k}"))
+        sums.add(f"row {k}", sums.by(f"by gain {k}", int(gains[k])))
+        sums.add(f"row {taught.sensors + k}", sums.by(f"slope {k}", int(offsets[k])))
 
 
 @dataclass(frozen=True)
@@ -171,22 +167,6 @@ def waiting(address: int) -> Slot:
 def going_to(address: int) -> Slot:
     """A step between sums, which says where the next results are stored."""
     return Slot(Kind.ONE, 0, address, places=True, note=f"results go to {address}")
-
-
-def graph_of_sums(sums: Sequence[Sum], external: Sequence[str]) -> Graph:
-    """Sums as neurons of an engine.
-
-    external: The names of the words that are in the memory before.
-    """
-    names = [*external, *(one.name for one in sums)]
-    number = {"": -1} | {name: n for n, name in enumerate(names)}
-    neurons = []
-    for one in sums:
-        terms = (
-            Term(t.kind, number[t.source], t.weight, second=number[t.second]) for t in one.terms
-        )
-        neurons.append(Neuron(one.name, RESULT, tuple(terms), output=one.output))
-    return Graph(len(external), tuple(neurons))
 
 
 def moved(graph: Graph, to: Mapping[int, int]) -> Iterator[Neuron]:

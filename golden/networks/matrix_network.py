@@ -254,7 +254,7 @@ class _Step:
             q_code = max(q.low, min(q.high, total >> self.shift))
             code = int(self.table.process([q_code])[0])
             return _of_tanh(code, code).offset + (code << _TANH_SHIFT)
-        code = layer.code(total)
+        code = int(layer.codes(total))
         return (max(0, code) if self.rectified(column) else code) << layer.cut
 
     def matrix(self, columns: Sequence[int], variant: str) -> ConstantMatrix:

@@ -44,9 +44,9 @@ class OutputCollector(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "the results of a frame are there, for this clock"),
-            *group(input_port("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
+            *group(input_port("in_data", "result of network *", self.fmt), self.outputs),
             output_port("out_valid", "`out_data` holds a result"),
-            output_port("out_data", "result, in the order of the networks", self.fmt, "fmt"),
+            output_port("out_data", "result, in the order of the networks", self.fmt),
             output_port("out_last", "the result is the last of the frame"),
         )
 

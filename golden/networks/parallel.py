@@ -42,7 +42,7 @@ class Neuron(NodeSum):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        samples = input_port("in_data", "sample *", self.in_fmt, "in_fmt")
+        samples = input_port("in_data", "sample *", self.in_fmt)
         return (
             CLOCK,
             *group(samples, len(self.weights)),
@@ -50,7 +50,6 @@ class Neuron(NodeSum):
                 "out_data",
                 "q of a hidden neuron, or q / Q where sums are normalised; y of an output",
                 self.out_fmt,
-                "out_fmt",
             ),
         )
 

@@ -135,7 +135,7 @@ class ConverterReader(Scan):
             output_port("cs_n", "to the converter: low for a transfer; from a register"),
             output_port("mosi", "to the converter: command; from a register"),
             output_port("out_valid", "`out_data` holds a new sample"),
-            output_port("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            output_port("out_data", "sample, held until the next one", self.fmt),
             output_port("out_last", "the sample is the last of the frame"),
             output_port(
                 "converter_error",

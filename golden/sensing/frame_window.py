@@ -88,7 +88,7 @@ class FrameWindow(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds a sample"),
-            input_port("in_data", "sample x, in the order of the scene's sensors", self.fmt, "fmt"),
+            input_port("in_data", "sample x, in the order of the scene's sensors", self.fmt),
             input_port("in_last", "the sample is the last of the frame"),
             output_port("out_valid", "`out_data` holds an element"),
             output_port(
@@ -96,7 +96,6 @@ class FrameWindow(Block):
                 "a sample of the newest frame or of a past one, in the order of `window.taps`; "
                 "then `slots` elements of any content",
                 self.fmt,
-                "fmt",
             ),
             output_port("out_last", "the element is the last of the frame"),
             output_port(

@@ -137,19 +137,15 @@ class ScanSequencer(Scan):
         return (
             *CLOCKED,
             input_port(
-                "adc",
-                "code of the converter, of the sensor that `address` selects",
-                self.fmt,
-                "fmt",
+                "adc", "code of the converter, of the sensor that `address` selects", self.fmt
             ),
             output_port(
                 "address",
                 "to the analogue multiplexer: sensor that is selected; from a register",
                 Unsigned(self.address_width),
-                "address_width",
             ),
             output_port("out_valid", "`out_data` holds a new sample"),
-            output_port("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            output_port("out_data", "sample, held until the next one", self.fmt),
             output_port("out_last", "the sample is the last of the frame"),
         )
 

@@ -40,16 +40,13 @@ class StreamMultiplexer(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "`in_data` holds an element"),
-            input_port("in_data", "element", self.fmt, "fmt"),
+            input_port("in_data", "element", self.fmt),
             input_port("in_last", "the element is the last of the frame"),
             input_port("result_valid", "`result` holds a result"),
-            input_port("result", "result, held from the next clock on", self.fmt, "fmt"),
+            input_port("result", "result, held from the next clock on", self.fmt),
             output_port("out_valid", "`out_data` holds an element"),
             output_port(
-                "out_data",
-                "the element, or the stored result in place of element `slot`",
-                self.fmt,
-                "fmt",
+                "out_data", "the element, or the stored result in place of element `slot`", self.fmt
             ),
             output_port("out_last", "the element is the last of the frame"),
         )

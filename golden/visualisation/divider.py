@@ -67,22 +67,14 @@ class Divider(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "distance and width are there, for this clock"),
-            input_port(
-                "in_distance",
-                "distance from the load",
-                Unsigned(self.distance_width),
-                "distance_width",
-            ),
+            input_port("in_distance", "distance from the load", Unsigned(self.distance_width)),
             input_port(
                 "in_width",
                 "width, with the binary point of the distance",
                 Unsigned(self.width_width),
-                "width_width",
             ),
             output_port("out_valid", "`out_data` holds a new quotient"),
-            output_port(
-                "out_data", "quotient t", Unsigned(self.out_width, self.out_frac), "out_width"
-            ),
+            output_port("out_data", "quotient t", Unsigned(self.out_width, self.out_frac)),
         )
 
     @property

@@ -104,15 +104,10 @@ class ExpInterpolator(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "word and offset are there, for this clock"),
-            input_port("in_word", "exp(-x0)", word, "word_width"),
-            input_port(
-                "in_offset",
-                "lower bits of x",
-                Unsigned(self.offset_width, self.frac),
-                "offset_width",
-            ),
+            input_port("in_word", "exp(-x0)", word),
+            input_port("in_offset", "lower bits of x", Unsigned(self.offset_width, self.frac)),
             output_port("out_valid", "`out_data` holds a result"),
-            output_port("out_data", "exp(-x)", word, "word_width"),
+            output_port("out_data", "exp(-x)", word),
         )
 
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
@@ -191,7 +186,7 @@ class Ramp(Block):
             *CLOCKED,
             input_port("in_valid", "the next position is requested"),
             output_port("out_valid", "`out_data` holds a new position"),
-            output_port("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
+            output_port("out_data", "position i_p, which stays until the next", self.fmt),
             output_port("out_last", "the position is the last of the ramp; held as long as it"),
         )
 
@@ -266,13 +261,13 @@ class LoadProfile(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "the results of a frame are there, for this clock"),
-            input_port("in_load", "load d", self.fmt, "fmt"),
-            input_port("in_position", "position i_m", self.fmt, "fmt"),
-            input_port("in_width", "width w", self.fmt, "fmt"),
-            input_port("in_shape", "shape s", self.fmt, "fmt"),
+            input_port("in_load", "load d", self.fmt),
+            input_port("in_position", "position i_m", self.fmt),
+            input_port("in_width", "width w", self.fmt),
+            input_port("in_shape", "shape s", self.fmt),
             output_port("out_valid", "`out_x` and `out_y` hold a new point"),
-            output_port("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
-            output_port("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
+            output_port("out_x", "i_p, which stays until the next point", self.fmt),
+            output_port("out_y", "f(i_p), which stays until the next point", self.fmt),
             output_port("out_last", "the point is the last of the ramp; high for one clock"),
         )
 

@@ -60,16 +60,13 @@ class PowerFold(Block):
         return (
             *CLOCKED,
             input_port("in_valid", "t and P are there, for this clock"),
-            input_port("in_data", "t", Unsigned(self.in_width, self.in_frac), "in_width"),
-            input_port(
-                "in_power", "P, 1 to `max_power`", Unsigned(self.power_width), "power_width"
-            ),
+            input_port("in_data", "t", Unsigned(self.in_width, self.in_frac)),
+            input_port("in_power", "P, 1 to `max_power`", Unsigned(self.power_width)),
             output_port("out_valid", "`out_data` holds a new power"),
             output_port(
                 "out_data",
                 "t^P, which stays until the clock in which the next pair comes",
                 Unsigned(self.out_width, self.out_frac),
-                "out_width",
             ),
         )
 

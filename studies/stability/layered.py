@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from golden.engine.formats import WIDTH
-from golden.engine.integer_network import IntegerLayer, sample_words
+from golden.engine.integer_network import sample_words
 from golden.engine.ranges import hidden_peaks
 from golden.networks.design import Settings
 from golden.networks.engine import Engine
@@ -74,13 +74,10 @@ def ties() -> Iterator[Row]:
             Dense(np.full((2, 3), 1000.0), np.zeros(2)),
         )
     )
-    engine = Engine.of([network])
-    tied = sum(
-        2 * total % (2 << layer.shift) == 1 << layer.shift
-        for layer, sums in _sums(engine, frames)
-        if layer.rectifies
-        for total in sums
-    )
+    (whole,) = Engine.of([network]).integers
+    sums, _ = next(whole.run(sample_words(frames)))
+    shift = whole.layers[0].shift
+    tied = (2 * sums % (2 << shift) == 1 << shift).sum()
     case = f"relu: {tied} sums half way between two words"
     yield from _judged(network, case, frames)
     # Multiples of half the scale, of which every other one is a tie.
@@ -139,21 +136,13 @@ def _judged(
 
 def _saturated(engine: Engine, frames: Codes) -> int:
     """How many hidden sums leave their words, in Python's integers."""
-    count = 0
-    for layer, sums in _sums(engine, frames):
-        if layer.range and layer.range.from_data:
-            for total in sums:
-                code = layer.rounded(total)
-                count += code > MOST or (code < -MOST - 1 and not layer.rectifies)
-    return count
-
-
-def _sums(engine: Engine, frames: Codes) -> Iterator[tuple[IntegerLayer, list[int]]]:
-    """The sums of each layer and frame of an engine of one network, in Python's integers."""
     (network,) = engine.integers
-    for words in sample_words(frames):
-        for layer, (sums, _) in zip(network.layers, network.run(words), strict=True):
-            yield layer, sums
+    count = 0
+    for layer, (sums, _) in zip(network.layers, network.run(sample_words(frames)), strict=True):
+        if layer.range and layer.range.from_data:
+            codes = layer.rounded(sums)
+            count += ((codes > MOST) | ((codes < -MOST - 1) & (not layer.rectifies))).sum()
+    return count
 
 
 def _filled(kind: str, lean: bool) -> tuple[float, int, int]:

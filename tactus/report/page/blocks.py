@@ -160,8 +160,6 @@ def port_table(twins: Twins) -> str:
             text = kinds_text(
                 {name: {p.kind for p in ports if p.kind} for name, ports in found.items()}
             )
-            if port.constant:
-                text = f"`{port.constant}`: {text}"
         table.append([f"`{name}`", port.direction, kind, text, port.meaning])
     return markdown("port | direction | type | format | meaning", table)
 
