@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.certify.proofs import write_equality, write_every_frame, write_formulas
+from tactus.core.templates import environment
 from tactus.export.exporter import compile_order
 from tactus.export.handover import (
     CLOCKS,
@@ -100,31 +100,24 @@ def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder
     """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``."""
     name, top = plain_name(scene.name), design.entity
     for number, samples in enumerate(frames.parts(design.past), start=1):
-        place = folder / "bench" / "verilog" / str(number)
-        results, winners = _write_verilog(design, samples, place)
-        vhdl = folder / "bench" / "vhdl" / str(number)
-        vhdl.mkdir(parents=True)
-        (vhdl / f"{top}_vectors.vhd").write_text(
-            vectors(name, design, samples, results, winners),
-            encoding="utf-8",
+        results = design.process(samples)
+        winners = winners_of(design, results)
+        verilog, vhdl = (
+            folder / "bench" / language / str(number) for language in ("verilog", "vhdl")
         )
+        verilog.mkdir(parents=True)
+        vhdl.mkdir(parents=True)
+        for file, text in hex_files(design, samples, results, winners).items():
+            (verilog / file).write_text(text, encoding="ascii")
+        (verilog / "due.txt").write_text(f"{len(results)}\n", encoding="ascii")
+        text = vectors(name, design, samples, results, winners)
+        (vhdl / f"{top}_vectors.vhd").write_text(text, encoding="utf-8")
     exported = folder / "design" / "verilog"
     last = compile_order(exported)[-1]
     ports = read_ports(design, (exported / last).read_text(encoding="utf-8"), "verilog")
     (folder / "bench" / "verilog" / f"{top}_tb.v").write_text(
         verilog_bench(name, design, ports, FRAMES), encoding="utf-8"
     )
-
-
-def _write_verilog(design: Network, samples: Codes, place: Path) -> tuple[Codes, Codes | None]:
-    """Write a recording for the Verilog test bench; return the outputs, and the winners if any."""
-    results = design.process(samples)
-    winners = winners_of(design, results)
-    place.mkdir(parents=True)
-    for file, text in hex_files(design, samples, results, winners).items():
-        (place / file).write_text(text, encoding="ascii")
-    (place / "due.txt").write_text(f"{len(results)}\n", encoding="ascii")
-    return results, winners
 
 
 # What the script writes. Not "run": Yosys as WebAssembly takes that for /run.
@@ -232,22 +225,23 @@ def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
 def _write_script(
     scene: Scene, design: Network, frames: PlayedFrames, proved: set[str], folder: Path
 ) -> None:
-    environment = Environment(
-        loader=PackageLoader("tactus.certify", "."), undefined=StrictUndefined, autoescape=False
-    )
     orders = {language: compile_order(folder / "design" / language) for language in LANGUAGES}
-    text = environment.get_template(f"{SCRIPT}.jinja").render(
-        scene=scene.name,
-        top=design.entity,
-        steps=STEPS,
-        read=READ.format(top=design.core.entity),
-        given=given_text(frames, design.past),
-        left=frames.left,
-        entities=len(proved),
-        **orders,
+    text = (
+        environment("tactus.certify")
+        .get_template(f"{SCRIPT}.jinja")
+        .render(
+            scene=scene.name,
+            top=design.entity,
+            steps=STEPS,
+            read=READ.format(top=design.core.entity),
+            given=given_text(frames, design.past),
+            left=frames.left,
+            entities=len(proved),
+            **orders,
+        )
     )
     script = folder / SCRIPT
-    script.write_text(text + "\n", encoding="utf-8")
+    script.write_text(text, encoding="utf-8")
     script.chmod(0o755)
 
 

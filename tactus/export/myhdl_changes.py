@@ -29,7 +29,7 @@ import ast
 import inspect
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import cache
 from types import CodeType, FrameType, FunctionType, SimpleNamespace
 from typing import Any
@@ -69,9 +69,6 @@ def _stack():
     ]
 
 
-_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
-
-
 # For every function that is running: its names in the order in which they were seen.
 _seen: dict[FrameType, list[str]] = {}
 
@@ -102,55 +99,41 @@ def forget(running: Iterable[FrameType]) -> None:
         del _seen[frame]
 
 
+class _Apart(ast.NodeTransformer):
+    """Gives each comprehension a scope of its own, as Python 3.11 does, and each operation."""
+
+    def visit_ListComp(self, node: ast.ListComp) -> ast.AST:
+        self.generic_visit(node)
+        return ast.GeneratorExp(node.elt, node.generators)
+
+    def visit_SetComp(self, node: ast.SetComp) -> ast.AST:
+        self.generic_visit(node)
+        return ast.GeneratorExp(node.elt, node.generators)
+
+    def visit_DictComp(self, node: ast.DictComp) -> ast.AST:
+        self.generic_visit(node)
+        return ast.GeneratorExp(ast.Tuple([node.key, node.value], ast.Load()), node.generators)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        self.generic_visit(node)
+        if not ast.unparse(node.func).startswith("ops."):
+            return node
+        return ast.Lambda(ast.arguments([], [], None, [], [], None, []), node)
+
+
 @cache
 def _used_inside(code: CodeType) -> frozenset[str]:
-    """Names of a function that are used by functions and comprehensions inside it."""
+    """Local names of a function that are used by functions and comprehensions inside it."""
     try:
         source = textwrap.dedent(inspect.getsource(code))
     except OSError:
         source = ""
     if not source.startswith(("@", "def ")):
         return frozenset()
-    function = ast.parse(source).body[0]
-    nodes = _nodes(ast.iter_child_nodes(function), skip=_handed(function))
-    return frozenset().union(*(_taken(node) for node in nodes if _is_scope(node)))
-
-
-def _taken(scope: ast.AST) -> set[str]:
-    nodes = list(_nodes(ast.iter_child_nodes(scope), skip=_handed(scope)))
-    names = [node for node in nodes if isinstance(node, ast.Name)]
-    own = {node.arg for node in nodes if isinstance(node, ast.arg)}
-    own |= {node.name for node in nodes if isinstance(node, ast.FunctionDef)}
-    own |= {node.id for node in names if isinstance(node.ctx, ast.Store)}
-    return {node.id for node in names}.union(*(_taken(n) for n in nodes if _is_scope(n))) - own
-
-
-def _nodes(start: Iterable[ast.AST], skip: Sequence[ast.AST] = ()) -> Iterator[ast.AST]:
-    """The nodes of one scope; for a scope inside it, only what is evaluated around that."""
-    for node in start:
-        if node not in skip:
-            yield node
-            yield from _nodes(
-                _handed(node) if _is_scope(node) else ast.iter_child_nodes(node), skip
-            )
-
-
-def _is_scope(node: ast.AST) -> bool:
-    """Whether a node is a function or a comprehension, or an operation, which acts as a process."""
-    if isinstance(node, ast.Call):
-        return ast.unparse(node.func).startswith("ops.")
-    return isinstance(node, (*_COMPREHENSIONS, ast.FunctionDef, ast.Lambda))
-
-
-def _handed(scope: ast.AST) -> list[ast.AST]:
-    """The parts of a scope that are evaluated around it: first iterable, decorators, defaults."""
-    if isinstance(scope, _COMPREHENSIONS):
-        return [scope.generators[0].iter]
-    if isinstance(scope, ast.Call):
-        return []
-    assert isinstance(scope, (ast.FunctionDef, ast.Lambda))
-    defaults = [*scope.args.defaults, *filter(None, scope.args.kw_defaults)]
-    return [*getattr(scope, "decorator_list", []), *defaults]
+    apart = ast.fix_missing_locations(_Apart().visit(ast.parse(source)))
+    compiled = compile(apart, code.co_filename, "exec").co_consts
+    codes = [c for c in compiled if isinstance(c, CodeType) and c.co_name == code.co_name]
+    return frozenset(*(function.co_cellvars for function in codes))
 
 
 _suffixer = _resolverefs._suffixer

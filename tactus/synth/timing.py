@@ -150,19 +150,13 @@ def _verilog(folder: Path, top: str) -> str:
     return (folder / f"{ROUTED}.v").read_text(encoding="utf-8")
 
 
-def place(
-    folder: Path,
-    aim: int,
-    placer: str,
-    router: str = ROUTER,
-    device: Sequence[str] = DEVICE,
-) -> dict[str, Any]:
-    """Place and route ``netlist.json`` into ``<placer>.json``, and return nextpnr's report.
+def _placed(folder: Path, top: str, aim: int, placer: str, device: Sequence[str]) -> Timing:
+    """Place and route ``netlist.json`` into ``<placer>.json``.
 
     Where the router finds no way to a clock, the next seed is tried.
     """
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
-    options += ["--placer", placer, "--router", router, "--write", f"{placer}.json"]
+    options += ["--placer", placer, "--router", ROUTER, "--write", f"{placer}.json"]
     files = ["--json", "netlist.json", "--freq", str(aim)]
     for seed in range(SEED, SEED + SEEDS):
         try:
@@ -171,11 +165,7 @@ def place(
         except InputError as error:
             if "Failed to route arc" not in str(error) or seed == SEED + SEEDS - 1:
                 raise
-    return dict(json.loads((folder / "report.json").read_text(encoding="utf-8")))
-
-
-def _placed(folder: Path, top: str, aim: int, placer: str, device: Sequence[str]) -> Timing:
-    report = place(folder, aim, placer, device=device)
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     if len(report["fmax"]) != 1:
         raise InputError(f"{top}: got {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()
