@@ -146,7 +146,7 @@ def test_the_plots_of_disturbances_hold_what_their_table_holds() -> None:
     rows = {(row[0], row[1]): row for row in table.rows}
     assert noise.groups.keys() == gain.groups.keys() == offset.groups.keys()
     for plot, kind in ((noise, "noise"), (gain, "gain drift"), (offset, "offset drift")):
-        (_, recorded), *points = plot.groups["load"]
+        (_, recorded), *points = map(tuple, plot.groups["load"].T.tolist())
         assert recorded == rows["as recorded", 0.0][2]
         assert points == [(size, row[2]) for (one, size), row in rows.items() if one == kind]
 

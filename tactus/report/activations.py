@@ -2,8 +2,7 @@
 
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from golden.activation.pade import UnsettledWarning
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS, Precision
+from golden.numbers.real import Real
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.report.draw.svg import svg
@@ -26,24 +26,6 @@ THESIS_FACTOR, AS_THESIS = 3, "as thesis"
 # The options with which the thesis measured, if they are not the default. It does not print its
 # number of iterations.
 THESIS_OPTIONS: dict[str, dict[str, Any]] = {"pade": {"rho": 4.0, "iterations": 24}}
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The errors of one scheme in one arithmetic with one Q.
-
-    arithmetic: "float" or the name of a precision.
-    factor: Q.
-    mean_percent, mean_percent_thesis: Equation 4.32 in both readings, see ``ActivationError``. None
-        if the codes do not cover its range.
-    largest: The largest error over all codes, in units of 2**-13.
-    """
-
-    arithmetic: str
-    factor: int
-    mean_percent: float | None
-    mean_percent_thesis: float | None
-    largest: float
 
 
 def thesis_figure(name: str) -> float | None:
@@ -68,51 +50,40 @@ def built(scheme: Scheme, precision: Precision, factor: int) -> ActivationBlock:
         return scheme.build(precision, factor, precision.hidden_fmt.high)
 
 
-def measured(scheme: Scheme, factors: Sequence[int] = FACTORS) -> Iterator[Measured]:
-    """The errors of one scheme in its precisions, for each Q if it is normalised."""
+def measured(scheme: Scheme) -> dict[str, dict[int, tuple[Real, Real]]]:
+    """By arithmetic ("float" or a precision) and Q: q and the errors, over all codes."""
+    found: dict[str, dict[int, tuple[Real, Real]]] = {}
     for precision in scheme.precisions:
         codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
-        for factor in factors if precision.normalise else (1,):
+        for factor in FACTORS if precision.normalise else (1,):
             block = built(scheme, precision, factor)
             q = factor * block.real_input(codes)
             results = {precision.name: block.real_result(block.process(codes))}
             if precision.normalise:
                 results = {"float": scheme.real(q)[0], **results}
             for arithmetic, values in results.items():
-                errors = values - np.tanh(q)
-                covered = np.abs(q).max() >= ACTIVATION_RANGE
-                mean = activation_error(errors, q) if covered else None
-                yield Measured(
-                    arithmetic,
-                    factor,
-                    mean.mean_percent if mean else None,
-                    mean.mean_percent_thesis if mean else None,
-                    8192 * float(np.abs(errors).max()),
-                )
+                found.setdefault(arithmetic, {})[factor] = q, values - np.tanh(q)
+    return found
 
 
 def activation_table() -> Table:
     """A row for each scheme and arithmetic."""
     rows: list[Row] = []
     for name, options, scheme in variants():
-        found: dict[str, dict[int, Measured]] = {}
-        for one in measured(scheme):
-            found.setdefault(one.arithmetic, {})[one.factor] = one
-        for arithmetic, by_factor in found.items():
-            chosen = by_factor.get(THESIS_FACTOR, next(iter(by_factor.values())))
-            rows.append(
-                {
-                    "scheme": f"{name}, {AS_THESIS}" if options else name,
-                    "arithmetic": arithmetic,
-                    "mean %": chosen.mean_percent,
-                    "x 2 %": chosen.mean_percent_thesis,
-                    "thesis %": None if arithmetic == "exact" else thesis_figure(name),
-                    **{
-                        f"Q = {f}": by_factor[f].largest if f in by_factor else None
-                        for f in FACTORS
-                    },
-                }
-            )
+        for arithmetic, by_factor in measured(scheme).items():
+            q, errors = by_factor.get(THESIS_FACTOR, next(iter(by_factor.values())))
+            # Equation 4.32 has no meaning if the codes do not cover its range.
+            covered = np.abs(q).max() >= ACTIVATION_RANGE
+            mean = activation_error(errors, q) if covered else None
+            row: Row = {
+                "scheme": f"{name}, {AS_THESIS}" if options else name,
+                "arithmetic": arithmetic,
+                "mean %": mean.mean_percent if mean else None,
+                "x 2 %": mean.mean_percent_thesis if mean else None,
+                "thesis %": None if arithmetic == "exact" else thesis_figure(name),
+            }
+            largest = {f: 8192 * float(np.abs(e).max()) for f, (_, e) in by_factor.items()}
+            rows.append(row | {f"Q = {factor}": largest.get(factor) for factor in FACTORS})
     special = "; ".join(f"{name} with {text}" for name, text, _ in variants() if text)
     return Table.of(
         "activation_errors",

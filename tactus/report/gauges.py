@@ -9,8 +9,13 @@ from matplotlib.figure import Figure
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
+<<<<<<< HEAD
 from tactus.physics.gauges import OUTPUTS, GaugeRig, load_rig
 from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
+=======
+from tactus.physics.gauges import OUTPUTS, GaugeRig, Placing, load_rig
+from tactus.report.draw.svg import GROUPS, PLOT_INCHES, style, svg
+>>>>>>> fc679d32 (One class draws the plots of a report; pages of blocks have ranges; activations are measured into their table)
 from tactus.report.measure.table import Cell, Table
 
 HEIGHT = 1.6  # inches of a panel
@@ -45,19 +50,23 @@ def gauges(rig: GaugeRig, sets: Mapping[str, Sequence[float]]) -> str:
             1e3 * float(rig.placements.position.max()),
             color="#eeeeee",
         )
+        for axes in (beam, *panels):
+            axes.set_prop_cycle(GROUPS)
         for i, (label, places) in enumerate(sets.items()):
-            look = nth(i)
             beam.plot(
                 [1e3 * place for place in places],
                 [i + 0.8] * len(places),
                 linestyle="none",
-                marker=look.marker,
-                color=look.colour,
                 label=label,
             )
             for name, axes in zip(rig.outputs, panels, strict=True):
+<<<<<<< HEAD
                 x, y = np.array(along(rig, places)[name]).T
                 axes.plot(x, y, marker=look.marker, color=look.colour, markersize=3)
+=======
+                x, y = np.array(along(placing, places)[name]).T
+                axes.plot(x, y, markersize=3)
+>>>>>>> fc679d32 (One class draws the plots of a report; pages of blocks have ranges; activations are measured into their table)
         beam.set_ylim(-1, len(sets) + 1)
         beam.set_yticks([])
         beam.set_ylabel("gauges")

@@ -1,14 +1,15 @@
 """Draws the errors of a scene: computed against recorded, along positions, with disturbances."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from golden.numbers.real import Real
 from tactus.errors import UNKNOWN, Decisions, held_out_or_all, percent, trained_means
-from tactus.report.draw.svg import PLOT_INCHES, Picture, nth, plain, style, svg
+from tactus.report.draw.svg import GROUPS, PLOT_INCHES, Picture, plain, style, svg
 from tactus.report.measure.outcome import KINDS, NONE, Outcome
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
@@ -81,87 +82,68 @@ POINTS = 600
 HEIGHT = 5.4
 # More numbers, such as 0.0025, would overlap.
 TICKS = 5
+LINES = ("-", "--", ":", "-.")
 # Labels of more letters stand below each other, and each makes the plot so many inches taller.
 LONG, LINE = 26, 0.12
-_LINES = ("-", "--", ":", "-.")
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Lines of errors.
+    """Lines of errors or, with ``recorded``, points of one output.
 
     name: The file name without suffix, of letters, digits and ``_``.
     title, across, up: The heading and the labels of the axes, with units.
-    groups: The points of each line, by its label.
+    groups: The points of each line, by its label, shape (2, points).
     sentence: A sentence that the figures support.
+    recorded: Whether computed values stand against recorded ones, and below the difference.
     """
 
     name: str
     title: str
     across: str
     up: str
-    groups: Mapping[str, Sequence[tuple[float, float]]]
+    groups: Mapping[str, Real]
     sentence: str
+    recorded: bool = False
 
-    def draw(self) -> str:
+    def draw(self) -> Picture:
         with style():
             count, (width, height) = len(self.groups), PLOT_INCHES
             columns = 2 if count > 3 else count
             if columns > 1 and max(map(len, self.groups)) > LONG:
                 columns, height = 1, height + count * LINE
-            figure = Figure(figsize=(width, height), layout="constrained")
-            axes = figure.add_subplot(xlabel=self.across, ylabel=self.up)
-            for i, (label, points) in enumerate(self.groups.items()):
-                look = nth(i)
-                axes.plot(
-                    *zip(*points, strict=True),
-                    marker=look.marker,
-                    color=look.colour,
-                    linestyle=_LINES[i // 2 % len(_LINES)],
-                    label=label,
-                )
-            axes.locator_params(axis="x", nbins=TICKS)
-            axes.set_ylim(bottom=0)
+            size = (width, HEIGHT if self.recorded else height)
+            figure = Figure(figsize=size, layout="constrained")
+            if self.recorded:
+                axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+                self._against(axes, below)
+            else:
+                axes = figure.subplots()
+                self._lines(axes)
             if count > 1:
-                figure.legend(loc="outside lower center", ncols=columns)
-            return svg(figure, self.name, self.title)
+                labelled = axes.get_legend_handles_labels()
+                figure.legend(*labelled, loc="outside lower center", ncols=columns)
+            drawn = svg(figure, self.name, self.title)
+        return Picture(self.name, self.title, drawn, self.sentence)
+
+    def _lines(self, axes: Axes) -> None:
+        axes.set(prop_cycle=GROUPS, xlabel=self.across, ylabel=self.up)
+        for i, (label, points) in enumerate(self.groups.items()):
+            axes.plot(*points, linestyle=LINES[i // 2 % len(LINES)], label=label)
+        axes.locator_params(axis="x", nbins=TICKS)
+        axes.set_ylim(bottom=0)
+
+    def _against(self, above: Axes, below: Axes) -> None:
+        above.set(prop_cycle=GROUPS, ylabel=self.up)
+        below.set(prop_cycle=GROUPS, ylabel="computed - recorded", xlabel=self.across)
+        for label, (x, y) in self.groups.items():
+            for axes, values in ((above, y), (below, y - x)):
+                axes.plot(x, values, linestyle="none", markersize=3, label=label)
+        above.axline((float(x[0]), float(x[0])), slope=1, color="black", linewidth=0.6)
+        below.axhline(0, color="black", linewidth=0.6)
 
 
-@dataclass(frozen=True)
-class Predicted:
-    """One output: the computed against the recorded values, and the difference below.
-
-    name, title, sentence: See ``Plot``.
-    output: The name of the output on the axes.
-    groups: The recorded and the computed value of each row, shape (2, rows).
-    """
-
-    name: str
-    title: str
-    output: str
-    groups: Mapping[str, Real]
-    sentence: str
-
-    def draw(self) -> str:
-        with style():
-            figure = Figure(figsize=(PLOT_INCHES[0], HEIGHT), layout="constrained")
-            above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-            for i, (label, (x, y)) in enumerate(self.groups.items()):
-                marker, colour = nth(i).marker, nth(i).colour
-                for axes, values in ((above, y), (below, y - x)):
-                    axes.plot(x, values, marker, color=colour, markersize=3, label=label)
-            above.axline((float(x[0]), float(x[0])), slope=1, color="black", linewidth=0.6)
-            below.axhline(0, color="black", linewidth=0.6)
-            above.set_ylabel(f"{self.output}, computed")
-            below.set_ylabel("computed - recorded")
-            below.set_xlabel(f"{self.output}, recorded")
-            if len(self.groups) > 1:
-                handles, labels = above.get_legend_handles_labels()
-                figure.legend(handles, labels, loc="outside lower center", ncols=2)
-            return svg(figure, self.name, self.title)
-
-
-def predicted_plots(found: Outcome) -> Iterator[Predicted]:
+def predicted_plots(found: Outcome) -> Iterator[Plot]:
     count = len(found.errors)
     every = -(-count // POINTS)
     for c, output in enumerate(found.scene.outputs):
@@ -178,14 +160,16 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
         text = f"Every {every}th row and the worst. " if every > 1 else ""
         if found.held_out is None and trained_means(found.scene, "test_mean_percent") is None:
             text += f"Held-out rows: {UNKNOWN}. "
-        yield Predicted(
+        yield Plot(
             f"predicted_{c}",
             f"{output}: computed against recorded",
-            plain(output),
+            f"{plain(output)}, recorded",
+            f"{plain(output)}, computed",
             {label: pairs[:, rows] for label, rows in groups.items() if rows.any()},
             f"{text}Differences are {miss.mean():+.2g} in the mean, with a standard deviation of "
             f"{miss.std():.2g}; the largest error is {found.errors[worst, c]:.2f} %, in row "
             f"{found.numbers[worst]}.",
+            recorded=True,
         )
 
 
@@ -210,7 +194,7 @@ def along_plot(found: Outcome, table: Table) -> Plot:
         plain(found.scene.group_by) + (", in the order of the table" if texts else ""),
         "mean error %",
         {
-            plain(name): list(zip(places, errors, strict=True))
+            plain(name): np.array([places, errors])
             for name, errors in zip(outputs, columns, strict=True)
         },
         f"The largest is that of {name} at {place}, {error:.2f} %.",
@@ -222,11 +206,11 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
     for key, (kind, _) in KINDS.items():
         rows = [row for row in table.rows if row[0] in (NONE, kind)]
         errors = {
-            name: [(_number(row[1]), _number(row[c])) for row in rows]
+            name: np.array([[_number(row[i]) for row in rows] for i in (1, c)])
             for c, name in enumerate(outputs, 2)
         }
-        largest = max(outputs, key=lambda name: errors[name][-1][1])
-        (_, recorded), *_, (size, error) = errors[largest]
+        largest = max(outputs, key=lambda name: errors[name][1, -1])
+        (*_, size), (recorded, *_, error) = errors[largest]
         text = f"{largest} is the worst at {size:g}: {error:.2g} %, {recorded:.2g} % as recorded."
         unit = "part of the reading" if key == "gain" else "unit of the readings"
         yield Plot(

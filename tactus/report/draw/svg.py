@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.rcsetup import cycler
 
 # The margins of the page at the left and right of a picture, in CSS pixels.
 MARGINS = 32
@@ -115,19 +116,11 @@ def own_ids(text: str, name: str) -> str:
 
 
 INK, FAINT, ACCENT = "#111111", "#999999", "#1f5fa8"
-COLOURS = (
-    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
-    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+# The looks of the groups of a plot.
+GROUPS = cycler(
+    color=(
+        *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
+        *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+    ),
+    marker=("o", "s", "^", "D", "v", "P", "X", "d", "<", ">"),
 )
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
-
-
-@dataclass(frozen=True)
-class Look:
-    colour: str
-    marker: str
-
-
-def nth(index: int) -> Look:
-    """The look of the group ``index`` of a plot."""
-    return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])

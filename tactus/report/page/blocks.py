@@ -5,7 +5,7 @@ Formats and clocks are those of every scene, and of every case of a bench.
 
 import importlib
 import inspect
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -14,7 +14,6 @@ from tempfile import TemporaryDirectory
 from golden.common.block import Block, walk
 from golden.common.port import Port, Unsigned
 from golden.numbers.fixed import Fix
-from golden.numbers.precision import PRECISIONS
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import markdown
 from tactus.report.page.sign_off import sheet
@@ -93,95 +92,51 @@ def scene_table() -> str:
     return markdown(heads, rows)
 
 
-AREAS = (
-    "activation",
-    "layers",
-    "networks",
-    "engine",
-    "sensing",
-    "visualisation",
-    "link",
-    "instruments",
-)
-
-# The twins of one block, for each precision by its name.
-Twins = dict[str, list[Block]]
-
-
 @cache
-def twins_by_block() -> dict[str, Twins]:
+def twins_by_block() -> dict[str, list[Block]]:
     """For each block its twins in every scene and every case of a bench, the innermost first."""
-    found: dict[str, Twins] = {}
+    found: dict[str, list[Block]] = {}
     with TemporaryDirectory() as folder:
         for scene in chain(scenes(), (case_scene(name, Path(folder)) for name in CASES)):
             for block in walk(scene.twin()):
-                twins = found.setdefault(block.block, {name: [] for name in PRECISIONS})
-                twins[scene.precision.name].append(block)
+                found.setdefault(block.block, []).append(block)
     return found
 
 
-def by_precision(texts: dict[str, str]) -> str:
-    """One text, or a text for each precision if they differ."""
-    if len(set(texts.values())) == 1:
-        return next(iter(texts.values()))
-    return "; ".join(f"{text} in `{name}`" for name, text in texts.items())
+def range_text(numbers: Iterable[int]) -> str:
+    low, *_, high = sorted([*numbers] * 2)
+    return str(low) if low == high else f"{low} to {high}"
 
 
-def numbers_text(found: dict[str, set[int]]) -> str:
-    """A number for each precision, or a range if it depends on more than the precision."""
-    if all(len(numbers) == 1 for numbers in found.values()):
-        return by_precision({name: str(*numbers) for name, numbers in found.items()})
-    every = set().union(*found.values())
-    return f"{min(every)} to {max(every)}"
+def kinds_text(kinds: set[Fix | Unsigned]) -> str:
+    """The formats, or the widths of more than two unsigned ones."""
+    if len(kinds) > 2 and not any(isinstance(kind, Fix) for kind in kinds):
+        return f"{range_text(kind.width for kind in kinds)} bits"
+    return " or ".join(sorted(map(str, kinds)))
 
 
-def kinds_text(found: dict[str, set[Fix | Unsigned]]) -> str:
-    """A format for each precision, or the widths of unsigned formats that depend on more."""
-    every = set().union(*found.values())
-    if len(every) > len(found) and not any(isinstance(kind, Fix) for kind in every):
-        return f"{numbers_text({'': {kind.width for kind in every}})} bits"
-    return by_precision(
-        {name: " or ".join(sorted(str(kind) for kind in kinds)) for name, kinds in found.items()}
-    )
-
-
-def port_table(twins: Twins) -> str:
+def port_table(twins: list[Block]) -> str:
     """The ports of every entity of a block. The ports of a group share a row."""
-    rows: dict[str, dict[str, list[Port]]] = {}
-    for precision, blocks in twins.items():
-        for port in (port for block in blocks for port in block.ports):
-            rows.setdefault(port.row, {}).setdefault(precision, []).append(port)
+    rows: dict[str, list[Port]] = {}
+    for port in (port for block in twins for port in block.ports):
+        rows.setdefault(port.row, []).append(port)
     table = []
-    for name, found in rows.items():
-        port = next(iter(found.values()))[0]
+    for name, (port, *others) in rows.items():
         kind, text = "std_logic", ""
         if port.kind is not None:
             kind = "signed" if port.signed else "unsigned"
-            text = kinds_text(
-                {name: {p.kind for p in ports if p.kind} for name, ports in found.items()}
-            )
+            text = kinds_text({p.kind for p in (port, *others) if p.kind})
         table.append([f"`{name}`", port.direction, kind, text, port.meaning])
     return markdown("port | direction | type | format | meaning", table)
 
 
-def clocks(twins: Twins, name: str) -> str:
-    """The latency or the interval, as ``name`` says, in every design."""
-    return numbers_text(
-        {
-            precision: {getattr(block, name) for block in blocks}
-            for precision, blocks in twins.items()
-            if blocks
-        }
-    )
+def clocks(twins: list[Block]) -> tuple[str, str]:
+    """The latency and the interval, in every design."""
+    return range_text(one.latency for one in twins), range_text(one.interval for one in twins)
 
 
-def _both(twins: Twins) -> tuple[str, str]:
-    return clocks(twins, "latency"), clocks(twins, "interval")
-
-
-def purpose(twins: Twins) -> str:
+def purpose(twin: Block) -> str:
     """The first line of the twin's module, without the name of the block."""
-    twin = next(block for blocks in twins.values() for block in blocks)
     module = importlib.import_module(f"golden.{twin.area}.{twin.block}")
     line = (inspect.getdoc(module) or "").partition("\n")[0].removesuffix(".")
     return line.partition(": ")[2] or line
@@ -195,19 +150,13 @@ def block_table() -> str:
         "one frame to the next.",
         "",
     ]
+    by_area = sorted(twins_by_block().items(), key=lambda item: item[1][0].area)
     rows = []
-    for area in AREAS:
-        for name, twins in twins_by_block().items():
-            twin = next(block for blocks in twins.values() for block in blocks)
-            if twin.area == area and not twin.part_of:
-                row = [
-                    f"[{name}](blocks/{name}.md)",
-                    area,
-                    purpose(twins),
-                    twin.section or "none",
-                    *_both(twins),
-                ]
-                rows.append(row)
+    for name, twins in by_area:
+        twin = twins[0]
+        if not twin.part_of:
+            link, section = f"[{name}](blocks/{name}.md)", twin.section or "none"
+            rows.append([link, twin.area, purpose(twin), section, *clocks(twins)])
     return "\n".join(
         [*lines, markdown("block | area | what it does | thesis | latency | interval", rows)]
     )
@@ -222,12 +171,12 @@ def sections() -> dict[str, str]:
             f"## {title}\n\n{text}"
             for title, text in (
                 ("Ports", port_table(twins)),
-                ("Clocks", markdown("latency, clocks | interval, clocks", [_both(twins)])),
+                ("Clocks", markdown("latency, clocks | interval, clocks", [clocks(twins)])),
                 ("Cells", cells.get(name, "")),
                 ("Sign-off", sheet(name)),
             )
             if text
         )
         for name, twins in twins_by_block().items()
-        if not next(block for blocks in twins.values() for block in blocks).part_of
+        if not twins[0].part_of
     }

@@ -1,7 +1,7 @@
 """The content of the report of a scene."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,6 @@ from tactus.report.draw.learned import learned_curves
 from tactus.report.draw.load import load_profile
 from tactus.report.draw.network import network
 from tactus.report.draw.outcome import (
-    Plot,
-    Predicted,
     along_plot,
     confusion,
     disturbance_plots,
@@ -106,16 +104,16 @@ def content(scene: Scene) -> Page:
     if scene.labels:
         errors = [confusion(scene, found.decisions)]
     else:
-        errors = _drawn(predicted_plots(found))
+        errors = [plot.draw() for plot in predicted_plots(found)]
     if places:
-        errors += _drawn([along_plot(found, places)])
+        errors.append(along_plot(found, places).draw())
     sections = [
         _verified(scene),
         _errors(found, errors, places),
         Section(
             "sensors",
             "What the sensors do to it",
-            pictures=_drawn(disturbance_plots(disturbed)),
+            pictures=[plot.draw() for plot in disturbance_plots(disturbed)],
             tables=[disturbed, sensors(found), *([told] if told else [])],
         ),
         Section(
@@ -153,10 +151,6 @@ def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Se
         tables=[*tables, confidence(found)],
         folded=[places] if places else [],
     )
-
-
-def _drawn(plots: Iterable[Plot | Predicted]) -> list[Picture]:
-    return [Picture(plot.name, plot.title, plot.draw(), plot.sentence) for plot in plots]
 
 
 def pictures(scene: Scene) -> Iterator[Picture]:
