@@ -21,19 +21,6 @@ from tactus.report.measure.table import Cell, Table
 HEIGHT = 1.6  # inches of a panel
 
 
-def along(rig: GaugeRig, places: Sequence[float]) -> dict[str, list[tuple[float, float]]]:
-    """For each output of interest, positions in mm from the root and the mean bound there."""
-    errors = rig.errors(places)
-    at = rig.placements.position
-    return {
-        name: [
-            (float(1e3 * place), float(errors[at == place, OUTPUTS.index(name)].mean()))
-            for place in np.unique(at)
-        ]
-        for name in rig.outputs
-    }
-
-
 def gauges(rig: GaugeRig, sets: Mapping[str, Sequence[float]]) -> str:
     """The beam with the places of its gauges, and a panel for each output below."""
     with style():
@@ -59,14 +46,12 @@ def gauges(rig: GaugeRig, sets: Mapping[str, Sequence[float]]) -> str:
                 linestyle="none",
                 label=label,
             )
+            errors, at = rig.errors(places), rig.placements.position
+            there = np.unique(at)
             for name, axes in zip(rig.outputs, panels, strict=True):
-<<<<<<< HEAD
-                x, y = np.array(along(rig, places)[name]).T
-                axes.plot(x, y, marker=look.marker, color=look.colour, markersize=3)
-=======
-                x, y = np.array(along(placing, places)[name]).T
-                axes.plot(x, y, markersize=3)
->>>>>>> fc679d32 (One class draws the plots of a report; pages of blocks have ranges; activations are measured into their table)
+                column = errors[:, OUTPUTS.index(name)]
+                means = [column[at == place].mean() for place in there]
+                axes.plot(1e3 * there, means, markersize=3)
         beam.set_ylim(-1, len(sets) + 1)
         beam.set_yticks([])
         beam.set_ylabel("gauges")
