@@ -9,13 +9,8 @@ from matplotlib.figure import Figure
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
-<<<<<<< HEAD
 from tactus.physics.gauges import OUTPUTS, GaugeRig, load_rig
-from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
-=======
-from tactus.physics.gauges import OUTPUTS, GaugeRig, Placing, load_rig
 from tactus.report.draw.svg import GROUPS, PLOT_INCHES, style, svg
->>>>>>> fc679d32 (One class draws the plots of a report; pages of blocks have ranges; activations are measured into their table)
 from tactus.report.measure.table import Cell, Table
 
 HEIGHT = 1.6  # inches of a panel
