@@ -15,7 +15,7 @@ from tactus.core.fingerprint import fingerprint
 
 # The commands that tests call with wrong arguments.
 COMMANDS = (
-    *("train", "vhdl", "sim", "network", "image", "bench", "listing", "lean", "synth"),
+    *("train", "vhdl", "sim", "network", "image", "listing", "lean", "synth"),
     *("bitstream", "report", "demo", "scene", "check", "predict"),
 )
 

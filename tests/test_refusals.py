@@ -59,7 +59,7 @@ def entries(kind: str) -> list[Any]:
 def test_a_scene_is_refused(
     desk: Desk, base: str, old: str, new: str, words: str | list[str]
 ) -> None:
-    *call, name = ["bench", *base.split()][-2:]
+    *call, name = ["vhdl", *base.split()][-2:]
     if name in CASES:
         scene_of(CASES[name], desk.folder, "mine")
     elif name != "mine":
@@ -71,7 +71,7 @@ def test_a_scene_is_refused(
     desk.edit(old, new)
     desk.refuses(*call, "mine.toml", says=words)
     if isinstance(words, list):
-        said = desk.call("bench", "mine.toml")[1].splitlines()
+        said = desk.call("vhdl", "mine.toml")[1].splitlines()
         assert [f"error: {text}" for text in faults(check("mine.toml", Path("build")))] == said
 
 
@@ -101,7 +101,7 @@ def test_a_network_is_refused(desk: Desk, form: str, old: str, new: str, words: 
     (desk.folder / f"mine.{form}").write_bytes(model.SerializeToString())
     desk.edit("mine.npz", f"mine.{form}")
     desk.edit("hidden = 5", "hidden = 0")
-    desk.refuses("bench", "mine.toml", says=f"mine.{form}: .*{words}")
+    desk.refuses("vhdl", "mine.toml", says=f"mine.{form}: .*{words}")
 
 
 @pytest.fixture
@@ -329,7 +329,7 @@ TABLE = [
 def test_a_network_file_is_refused(desk: Desk, form: str, content: bytes, message: str) -> None:
     desk.edit("mine.npz", f"mine.{form}")
     (desk.folder / f"mine.{form}").write_bytes(content)
-    desk.refuses("bench", "mine.toml", says=f"mine.{form}: .*{message}")
+    desk.refuses("vhdl", "mine.toml", says=f"mine.{form}: .*{message}")
 
 
 @pytest.mark.parametrize("form", ["npz", "mat", "onnx"])
@@ -340,7 +340,7 @@ def test_a_network_without_hidden_nodes_is_refused(desk: Desk, form: str) -> Non
     desk.edit("mine.npz", f"mine.{form}")
     desk.edit("hidden = 5", "hidden = 0")
     (desk.folder / f"mine.{form}").write_bytes(none[form])
-    desk.refuses("bench", "mine.toml", says=f"mine.{form}: b1: got 0 hidden nodes, expected 1 or")
+    desk.refuses("vhdl", "mine.toml", says=f"mine.{form}: b1: got 0 hidden nodes, expected 1 or")
 
 
 def test_what_the_rows_change_is_read_without_a_change(desk: Desk) -> None:
@@ -349,7 +349,7 @@ def test_what_the_rows_change_is_read_without_a_change(desk: Desk) -> None:
         desk.edit(named, f"mine.{form}")
         named = f"mine.{form}"
         (desk.folder / named).write_bytes(content)
-        assert desk.call("bench", "mine.toml", "--frames", "9") == (0, "")
+        assert desk.call("vhdl", "mine.toml") == (0, "")
 
 
 # Commands that need more than a scene, or none, and those that need no more.

@@ -4,7 +4,6 @@ import os
 import tomllib
 from collections.abc import Sequence
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,6 @@ from golden.networks.designs import DESIGNS
 from golden.trained.window import Window
 from tactus.core.files import check_file
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import written
 from tactus.scene.scale import refuse_other_column, with_units
 
 
@@ -22,24 +20,16 @@ def read_window(data: dict[str, Any], path: Path) -> Window:
 
     Of a sensor that the table does not name, only the newest sample is read.
     """
-    written, sensors = data["window"], data["sensors"]
-    if not isinstance(written, dict):
-        return Window((_delays(written, f"{path}: data.window"),) * len(sensors))
-    for name in written:
+    delays, sensors = data["window"], data["sensors"]
+    if not isinstance(delays, dict):
+        return Window((tuple(delays),) * len(sensors))
+    for name in delays:
         if name not in sensors:
             raise InputError(
                 f"{path}: data.window: {name!r} is no sensor, expected one of "
                 f"{', '.join(sensors)}{suggest(name, sensors)}"
             )
-    return Window(
-        tuple(_delays(written.get(name, [0]), f"{path}: data.window.{name}") for name in sensors)
-    )
-
-
-def _delays(written: list[int], place: str) -> tuple[int, ...]:
-    if any(a >= b for a, b in pairwise(written)):
-        raise InputError(f"{place}: got {written!r}, expected ascending delays, each once")
-    return tuple(written)
+    return Window(tuple(tuple(delays.get(name, [0])) for name in sensors))
 
 
 def tap_names(window: Window, sensors: Sequence[str]) -> tuple[str, ...]:
@@ -67,21 +57,6 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
         raise InputError(
             f"{path}: hardware.design: got {design.block!r} with a data.window, expected {serial}, "
             "which take a stream of samples"
-        )
-    if values["hardware"]["reload"]:
-        raise InputError(
-            f"{path}: hardware.reload: got true with a data.window, expected false: an image has "
-            "no memory for past samples"
-        )
-    if data["where"]:
-        raise InputError(
-            f"{path}: data.where: got {written(data['where'])} with a data.window, expected none: "
-            "rows that are left out are missing in the past of others; give data.recordings"
-        )
-    if training["split"] == "random":
-        raise InputError(
-            f"{path}: training.split: got 'random' with a data.window, expected 'blocks' or "
-            "'groups': rows beside each other share their samples"
         )
     if training["split"] == "blocks" and training["block_rows"] <= window.past:
         raise InputError(

@@ -10,7 +10,6 @@ from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.numbers.precision import EXACT, PRECISIONS
 from tactus.core.schema import written
-from tactus.scene.data import read_window
 from tactus.sizing.choice import DEFAULT, DEVICES, UNDECIDED, Demand, Price, shares_of
 
 
@@ -171,12 +170,12 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
     hardware, network, data = (values[name] for name in ("hardware", "network", "data"))
     if not hardware["learning"]:
         return
-    got = f"with learning {hardware['learning']!r}"
     alone = network["arrangement"] == "single" and len(data["outputs"]) == 1
     if network["arrangement"] != "cascade" and not alone:
         raise InputError(
             f"{path}: network.arrangement: got {network['arrangement']!r} of "
-            f"{len(data['outputs'])} outputs {got}, expected cascade, or one output"
+            f"{len(data['outputs'])} outputs with learning {hardware['learning']!r}, expected "
+            "cascade, or one output"
         )
     around = [section for section in ("front_end", "visualisation") if section in values]
     if around and "uart" not in values:
@@ -184,5 +183,3 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.learning: got {hardware['learning']!r} and a section "
             f"[{around[0]}], expected [uart] too, through which the known outputs come"
         )
-    if not read_window(data, path).plain:
-        raise InputError(f"{path}: data.window: got {written(data['window'])} {got}, expected none")
