@@ -30,7 +30,7 @@ from tactus.scene import Scene, load_scene
 from tactus.train import few_digits, search
 from tactus.train.few_digits import Rounding, growth, importance_of, selected
 from tactus.train.objective import Objective, Rows
-from tactus.train.search import Stages, train
+from tactus.train.search import Result, Stages, train
 from tactus.train.task import task_for
 from tb.common.cases import random_network
 
@@ -170,6 +170,22 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
         story = read_provenance(tmp_path / name)
         best = min(rows[30], key=lambda result: result.rank)
         assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
+
+
+def test_candidates_refused_on_few_rows_are_counted(tmp_path: Path, monkeypatch) -> None:
+    results = iter(
+        [
+            [Result((n,), 0, n, refused="too large" * (n > 2)) for n in (1, 2, 3, 4)],
+            [Result((n,), 0, n) for n in (1, 2)],
+        ]
+    )
+    scene = load_scene(str(scene_of(tmp_path)))
+    task = task_for(scene, scene.vectors(), [])
+    monkeypatch.setattr(command, "has_many_rows", lambda scene: True)
+    monkeypatch.setattr(command, "parts_of", lambda task: [task, task])
+    monkeypatch.setattr(command, "compared", lambda *_: next(results))
+    best, refused = command.choose(task, tmp_path / "0.jsonl", 1)
+    assert (best.layers, refused) == ((1,), 2)
 
 
 def test_a_search_for_layers_beside_fixed_activations_is_refused(tmp_path: Path) -> None:

@@ -225,6 +225,19 @@ def test_matmul_and_add_as_keras_writes_them(tmp_path: Path) -> None:
     assert not any(layer.biases.any() for layer in found.layers)
 
 
+def test_any_operator_is_applied_to_constants(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    weights = mlp.layers[0].weights.T
+    held = constants(mlp) | {"w1": -weights[:2], "more": -weights[2:]}
+    nodes = [
+        node("Concat", "w1 more", "all", axis=0),
+        node("Neg", "all", "negative"),
+        node("MatMul", "x negative", "a"),
+        *KERAS[1:],
+    ]
+    assert same(load_network(graph(tmp_path, nodes, held), SHAPE), mlp)
+
+
 def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
     mlp = random_mlp(SHAPE, 1.0, 1)
     first = node("Gemm", "x w1 b1", "a", alpha=0.5, beta=2.0)

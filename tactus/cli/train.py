@@ -50,14 +50,15 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     later = range(task.number + 1, len(task.scene.members))
     # Each part takes about as long as any other of the same network.
     behind = len(parts) * sum(sum(costs(replace(task, number=number))) for number in later)
+    refused = set[tuple[Any, ...]]()
     for number, part in enumerate(parts):
         rows = len(part.training.inputs)
         own = record if part is task else record.with_name(f"{record.stem}-{rows}.jsonl")
         rest = behind / 2**number + (len(parts) - number - 1) * sum(costs(task, kept))
-        results = compared(part, kept, own, workers, rest)
-        ranked = sorted(results, key=lambda one: one.rank)
+        ranked = sorted(compared(part, kept, own, workers, rest), key=lambda one: one.rank)
+        refused |= {(one.layers, one.restart) for one in ranked if one.refused}
         kept = [one.candidate for one in ranked[: -(-len(ranked) // 2)]]
-    return ranked[0], sum(bool(one.refused) for one in results)
+    return ranked[0], len(refused)
 
 
 def compared(

@@ -72,8 +72,6 @@ OPERATORS: dict[str, tuple[int, ...]] = {
     "PRelu": (2,),
     "Clip": (1, 2, 3),
 }
-# Operators that are applied to constants when a file is read.
-FOLDED = ("Transpose", "Identity", "Pow", "Sqrt", "Mul", "Div", "Unsqueeze", "Squeeze", "Reshape")
 # The reasons why some other operators are not supported.
 CONVOLUTION = "tactus is for dense networks and has no convolution"
 RECURRENT = "tactus is for dense networks and has none that keep a state"
@@ -236,8 +234,8 @@ def read(path: Path) -> ParsedNetwork:
             made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
             constants.update(dict.fromkeys(node.output, made))
             continue
-        if node.op_type in FOLDED and node.input and all(n in constants for n in node.input):
-            constants[node.output[0]] = _folded(chain, node, constants, versions)
+        if node.input and all(name in constants for name in node.input if name):
+            constants |= _folded(chain, node, constants, versions)
             continue
         if classifier.begins(node, graph.node[place + 1 :]) and not chain.coded:
             behind = graph.node[place:]
@@ -260,12 +258,14 @@ def read(path: Path) -> ParsedNetwork:
     return ParsedNetwork(tuple(chain.layers), tuple(chain.functions.values()), ending)
 
 
-def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]) -> Any:
+def _folded(
+    chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]
+) -> dict[str, Any]:
     """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
-    taken = {name: constants[name] for name in node.input}
+    taken = {name: constants[name] for name in node.input if name}
     try:
         results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
-        return results[0]
+        return dict(zip(node.output, results, strict=True))
     except Exception as error:
         raise chain.refuse(node, f"cannot be applied to its constants: {error}") from None
 

@@ -15,8 +15,7 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Dense, network_of
-from golden.trained.function import by_name, functions_of
+from golden.trained.function import by_name
 from golden.trained.function_network import of_parabolas
 from tactus.core import store
 from tactus.core.files import check_writable
@@ -40,6 +39,7 @@ from tactus.scene import Scene, scene_names
 from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, saturating
 from tactus.scene.scale import on_readings, signals
 from tactus.scene.vectors import Recorded, read_recorded
+from tactus.train.search import random_layers
 from tactus.train.split import scaled, split_of
 
 # With more rows in the largest class than so many times those in the smallest, a network may name
@@ -347,18 +347,9 @@ def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
                 bent = of_parabolas(widths, member.inputs - scene.members[0].inputs)
                 write_network(path, on_readings(bent.layers(), *scales))
                 continue
-            kinds = (*(member.activations or [settings.activation] * len(hiddens)), "linear")
-            known = by_name(member.functions)
-            layers = [
-                Dense(
-                    rng.uniform(-0.5, 0.5, (nodes, taken)),
-                    rng.uniform(-0.5, 0.5, nodes),
-                    kind,
-                    functions=functions_of(kind, nodes, known),
-                )
-                for taken, nodes, kind in zip(widths, widths[1:], kinds, strict=False)
-            ]
-            write_network(path, on_readings(network_of(layers), *scales))
+            kinds = member.activations or (settings.activation,) * len(hiddens)
+            network = random_layers(widths, kinds, rng, by_name(member.functions))
+            write_network(path, on_readings(network, *scales))
         options = scene.design_options
         if "search_runs" in options:
             # Thousands of runs for random weights take minutes and tell nothing more.
