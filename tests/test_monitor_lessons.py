@@ -405,6 +405,7 @@ def test_only_the_page_itself_may_ask() -> None:
             ("/teach", "{}", {"Content_Type": ""}, 415),
             ("/state", "{}", {}, 404),
             ("/teach", "{", {}, 400),
+            ("/teach", "[]", {}, 400),
             ("/teach", "", {"Content_Length": "99999"}, 400),
             ("/teach", "", {"Content_Length": "-1"}, 400),
         ):

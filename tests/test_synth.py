@@ -348,7 +348,7 @@ SMALL, SMALL_ROUTED = "bipartite", "scan_sequencer"
 # exports.
 @pytest.mark.parametrize(
     "case",
-    tiered([(SMALL, "virtex-2")], [(SMALL, "series-7"), (SMALL_ROUTED, "ecp5")]),
+    tiered([(SMALL, "virtex-2")], [(SMALL, "series-7"), (SMALL_ROUTED, "ecp5"), (SMALL, "ice40")]),
     ids="-".join,
 )
 def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]) -> None:
@@ -376,6 +376,7 @@ def turns_red(job: Job) -> bool:
         [
             (SMALL, "series-7", r"(\.INIT_00\(256'h[0-9a-f]*?)([0-9a-f])(?=\))"),
             (SMALL_ROUTED, "ecp5", r"(\.INITVAL\(16'h)([0-9a-f]+)"),
+            (SMALL_ROUTED, "ice40", r"(\.LUT_INIT\(16'h)([0-9a-f]+)"),
         ],
     ),
     ids=lambda fault: f"{fault[0]}-{fault[1]}",

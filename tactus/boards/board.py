@@ -52,7 +52,8 @@ def _table(**properties: Rule) -> Rule:
 _TEXT: Rule = {"type": "string"}
 _FLAG: Rule = {"type": "boolean", "default": False}
 _TEXTS = {"type": "array", "items": _TEXT | {"minLength": 1}, "minItems": 1}
-PIN = _table(pin=_TEXT, at=_TEXT, pull_up=_FLAG, inverted=_FLAG)
+PIN = _table(pin=_TEXT, at=_TEXT, pull_up=_FLAG)
+LAMP = _table(**PIN["properties"], inverted=_FLAG)
 BOARD = _table(
     title=_TEXT,
     sources=_TEXTS,
@@ -66,7 +67,10 @@ BOARD = _table(
         configuration={"type": "object", "additionalProperties": _TEXT, "default": {}},
     ),
     clock=_table(pin=_TEXT, mhz={"type": "number", "exclusiveMinimum": 0}, pll_pad=_FLAG),
-    pins=_table(**{port: PIN | {"optional": True} for port in PORTS}),
+    pins=_table(
+        **dict.fromkeys(WIRES, PIN | {"optional": True}),
+        **dict.fromkeys(LAMPS, LAMP | {"optional": True}),
+    ),
     high={"type": "object", "additionalProperties": PIN, "default": {}},
 )
 # The texts that are allowed in a pins file between quotes or in a command line, and as a name in
@@ -168,11 +172,6 @@ def load_board(name: str, device: str = "") -> Board:
             raise InputError(
                 f"{path}: high.{name}: expected a name of small letters, digits and _ that no port "
                 "has"
-            )
-    for name, pin in {**pins, **high}.items():
-        if pin.inverted and name not in LAMPS:
-            raise InputError(
-                f"{path}: pins.{name}.inverted: got true, expected false except for a lamp"
             )
     seen: dict[str, str] = {}
     for name, used in [("clock", clock["pin"]), *((n, p.pin) for n, p in (pins | high).items())]:

@@ -91,11 +91,12 @@ class Server:
                     raise InputError(
                         f"Content-Length: got {length or 'nothing'}, expected {MOST_BYTES} at most"
                     )
-                data = self.rfile.read(int(length))
-                try:
-                    return json.loads(data)
-                except ValueError:
-                    raise InputError(f"got {data[:40]!r}, expected JSON") from None
+                data, found = self.rfile.read(int(length)), None
+                with suppress(ValueError):
+                    found = json.loads(data)
+                if not isinstance(found, dict):
+                    raise InputError(f"got {data[:40]!r}, expected a JSON object")
+                return found
 
             def _answer(self, kind: str, text: str, status: HTTPStatus = HTTPStatus.OK) -> None:
                 data = text.encode()

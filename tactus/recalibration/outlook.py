@@ -46,7 +46,7 @@ DRAWS = 200
 # The least variance that placements explain, in squares of the expected drift.
 LEAST_KNOWN = 1e-9
 
-# The least gain that is drawn. Below it, nothing would be left of a sensor.
+# The least gain of a correction that is inverted. Below it, nothing would be left of a sensor.
 LEAST_GAIN = 0.1
 
 
