@@ -13,26 +13,16 @@ version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["projec
 
 extensions = [
     "myst_parser",
-    "sphinx.ext.autodoc",
     "made",
-    "package_modules",
     "repository_files",
 ]
 exclude_patterns = ["extensions"]
-# Sphinx looks for a type by its last name alone. Two classes of one name are no fault of a page.
-suppress_warnings = ["ref.python"]
 # A link to a heading is written as GitHub writes it.
 myst_heading_anchors = 3
 # Equations, diagrams and what programs print stand in code blocks without a language.
 highlight_language = "none"
 # Quotes and dashes stay as they are written: they may be code.
 smartquotes = False
-
-# The navigation stands on every page: with every function in it the site takes half as long again.
-toc_object_entries = False
-autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
-autodoc_preserve_defaults = True
 
 html_theme = "furo"
 html_title = "tactus"

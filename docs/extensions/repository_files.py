@@ -1,8 +1,8 @@
 """Links that leave ``docs/``: what they lead to becomes a page of the site.
 
 The guides link to files as GitHub needs it, ``../golden/numbers/fixed.py``. Here such a link leads
-to ``files/golden/numbers/fixed.py.html``, which shows the file. A link to a package leads to its
-page under ``api``, one to another folder to a list of its files.
+to ``files/golden/numbers/fixed.py.html``, which shows the file. A link to a folder leads to a list
+of its files.
 """
 
 import html
@@ -73,11 +73,6 @@ def forget(app: Sphinx, env: BuildEnvironment, docname: str) -> None:
     linked(env).pop(docname, None)
 
 
-def package_page(env: BuildEnvironment, path: str) -> str | None:
-    name = f"api/{path.replace('/', '.')}"
-    return name if name in env.found_docs else None
-
-
 def resolve(
     app: Sphinx, env: BuildEnvironment, link: addnodes.pending_xref, content: nodes.Element
 ) -> nodes.Node | None:
@@ -85,7 +80,7 @@ def resolve(
         return None
     path = link["reftarget"]
     page = f"files/{path}/index" if (ROOT / path).is_dir() else f"files/{path}"
-    uri = app.builder.get_relative_uri(link["refdoc"], package_page(env, path) or page)
+    uri = app.builder.get_relative_uri(link["refdoc"], page)
     return nodes.reference("", "", *link.children, internal=True, refuri=uri)
 
 
@@ -94,7 +89,7 @@ def write_pages(app: Sphinx, exception: Exception | None) -> None:
     if exception or app.builder.format != "html":
         return
     paths = set().union(*linked(app.env).values())
-    folders = {p for p in paths if (ROOT / p).is_dir() and not package_page(app.env, p)}
+    folders = {p for p in paths if (ROOT / p).is_dir()}
     files = {p for p in paths if (ROOT / p).is_file()}
     for path in folders:
         shown = {f.name: f.suffix in LANGUAGES for f in (ROOT / path).iterdir() if f.is_file()}
