@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from golden.layers.input_controller import FrameScan, InputController
-from tb.common.bench import Bench, Recording
+from tb.common.bench import RESET_CLOCKS, Bench, Recording
 
 LEAST_FRAMES = 30
 
@@ -32,6 +32,19 @@ def whole(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     last = np.zeros(frames.shape, dtype=np.int64)
     last[:, -1] = 1
     return frames.ravel(), last.ravel()
+
+
+class Scans:
+    """Which clock after a reset each row is, and which clock of a scan.
+
+    A scan begins in the clock after a reset.
+    """
+
+    def __init__(self, recording: Recording, scan_clocks: int) -> None:
+        self.marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
+        self.rows = np.arange(RESET_CLOCKS, recording.clocks)
+        self.since = self.rows - self.marks[np.searchsorted(self.marks, self.rows) - 1] - 1
+        self.count = self.since % scan_clocks
 
 
 def scan(

@@ -8,8 +8,10 @@ import numpy as np
 from golden.common.block import Block
 from golden.engine.image import Image
 from golden.networks.engine import Engine
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench, Offer, Recording
-from tb.common.framing import check_outputs
+from tb.common.framing import check_outputs, random_lengths
+from tb.common.stimulus import spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error", "image_error"]
 
@@ -146,3 +148,38 @@ def check_loading(bench: Bench, recording: Recording) -> list[int]:
     ]
     check_outputs(bench, recording, *due)
     return [len(ends) for _, ends in runs]
+
+
+def traffic(bench, samples, most):
+    """Frames of the right length and some shorter and longer ones, up to ``most`` clocks apart."""
+    twin, rng = bench.twin, bench.rng
+    last = random_lengths(rng, twin.inputs, samples)
+    data = rng.integers(SIGNAL.low, SIGNAL.high + 1, samples if len(last) < samples else len(last))
+    pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
+    tail = twin.output_clocks[-1] + 5
+    return spread(rng, {"in_data": data, "in_last": last}, "in_valid", 0.1, tail, pause)
+
+
+def wrong_images(rng, image):
+    """Images that are cut, too long, or wrong in one bit: of every other it is proved."""
+    changed = bytearray(image)
+    changed[rng.integers(0, len(image))] ^= 1 << rng.integers(0, 8)
+    return [image[:-1], bytes(changed), image + bytes(5), image[:6]]
+
+
+async def check_images(bench: Bench, own: bytes, other: bytes) -> None:
+    """Load two images in turn and wrong ones, in the middle of frames and of their computation.
+
+    One is broken off without a last byte, so that the next image is part of it.
+    """
+    rng, wrong = bench.rng, wrong_images(bench.rng, own)
+    sent, at = [], 0
+    for number in range(12):
+        data = [own, other, wrong[number // 3]][number % 3]
+        sent.append(Sent(at, data, gap=0.3 * (number % 2)))
+        at += 2 * len(data) + int(rng.integers(0, 400))
+    sent += [Sent(at, own[:50], closed=False), Sent(at, own), Sent(at, own)]
+    drive = traffic(bench, (at + 3 * len(own)) // 5, most=40)
+    counts = check_loading(bench, await exchange(bench, drive, sent))
+    assert len(counts) == 9, f"got {len(counts)} good images, sent 9"
+    assert sum(counts), "no frame was computed"

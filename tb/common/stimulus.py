@@ -112,22 +112,17 @@ def border_frames(
     rows: Sequence[Sequence[int]],
     biases: Sequence[int],
     factors: Sequence[int] | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Frames whose exact sums lie just at the borders where results of a layer saturate.
-
-    Returns frames: shape (frames, inputs).
-    Returns of_row: The row of weights that each is for.
-    """
-    found, of_row = [], []
+) -> np.ndarray:
+    """Frames whose exact sums lie just at the borders where results of a layer saturate."""
+    found = []
     chosen = [1] * len(rows) if factors is None else factors
-    for number, (codes, bias, factor) in enumerate(zip(rows, biases, chosen, strict=True)):
+    for codes, bias, factor in zip(rows, biases, chosen, strict=True):
         row = np.array(codes)
         for border in layer.borders_of("sum", row, bias, factor):
             if border.unreachable:
                 continue
             # First the samples that the twin has found, then others.
             found += list(layer.beside(row, bias, border.at))
-            of_row += [number] * 2
             for target, above in (
                 (border.at - 2, False),
                 (border.at - 1, False),
@@ -137,9 +132,7 @@ def border_frames(
                 frame = layer.closest(row, bias << layer.bias_shift, target, above, rng)
                 if frame is not None:
                     found.append(frame)
-                    of_row.append(number)
-    width = len(rows[0])
-    return np.array(found, dtype=np.int64).reshape(-1, width), np.array(of_row, dtype=np.int64)
+    return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
 
 
 def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -161,7 +154,7 @@ def rounding_frames(
     biases: Sequence[int],
     factors: Sequence[int] | None = None,
     count: int = 20,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> np.ndarray:
     """Frames whose exact sums are the last that round to one result, or the first to round to the
     next.
 
@@ -169,9 +162,6 @@ def rounding_frames(
     results are random ones, and those that differ in one bit from the largest or the least.
 
     count: The number of random results for each row of weights.
-
-    Returns frames: shape (frames, inputs).
-    Returns of_row: The row of weights that each is for.
     """
     fmt, shift = layer.out_fmt, layer.out_shift
     weights = np.array(rows)
@@ -191,13 +181,28 @@ def rounding_frames(
         for result in end ^ (1 << np.arange(fmt.width - 1)):
             able = np.flatnonzero((low <= result) & (result <= high))
             pairs += [(int(row), int(result)) for row in able[:1]]
-    found, of_row = [], []
+    found = []
     for row, result in pairs:
         at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[row]))
         for target, above in ((at - 1, False), (at, True)):
             frame = layer.closest(weights[row], int(starts[row]), target, above, rng)
             if frame is not None:
                 found.append(frame)
-                of_row.append(row)
-    width = len(rows[0])
-    return np.array(found, dtype=np.int64).reshape(-1, width), np.array(of_row, dtype=np.int64)
+    return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
+
+
+def frames_of_layer(
+    rng: np.random.Generator,
+    layer: WeightedSum,
+    rows: Sequence[Sequence[int]],
+    biases: Sequence[int],
+    factors: Sequence[int] | None = None,
+) -> np.ndarray:
+    """Frames at corners, and at the ends, the borders and the roundings of each sum of a layer."""
+    found = [
+        corner_frames(layer.in_fmt, len(rows[0])),
+        extreme_frames(layer.in_fmt, np.array(rows)),
+    ]
+    found.append(border_frames(rng, layer, rows, biases, factors))
+    found.append(rounding_frames(rng, layer, rows, biases, factors))
+    return np.concatenate(found)

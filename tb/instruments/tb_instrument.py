@@ -10,7 +10,7 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.case_library import cases
-from tb.common.framing import check_outputs
+from tb.common.framing import Scans, check_outputs
 from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
@@ -45,22 +45,18 @@ async def check(bench, codes, resets=None):
         drive["rst"] = resets_before(bench.rng, len(drive["adc"]), resets, last)
     recording = await bench.play(drive, WATCH + readout.ports(shown))
 
-    marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
-    rows = np.arange(RESET_CLOCKS, recording.clocks)
-    count = (rows - marks[np.searchsorted(marks, rows) - 1] - 1) % scan.scan_clocks
+    scans = Scans(recording, scan.scan_clocks)
     final = scan.sample_clocks[-1]
-    ends = rows[(count == final) & ~np.isin(rows, marks)]
+    ends = scans.rows[(scans.count == final) & ~np.isin(scans.rows, scans.marks)]
     starts = ends - final
     taken = starts[:, np.newaxis] + scan.sample_clocks[: scan.inputs]
     frames = recording.signed("adc", taken.ravel()).reshape(taken.shape)
     # The address changes one clock after the slot begins. In the first clock after a reset it is
     # still the old one.
-    steady = np.flatnonzero(
-        np.isin(rows - 1, marks, invert=True) & np.isin(rows, marks, invert=True)
-    )
-    address = recording.unsigned("address", rows[steady])
-    expected = scan.address_at(count[steady] - 1)
-    bench.compare("address", address, expected, clock=rows[steady])
+    steady = (scans.since >= 1) & ~np.isin(scans.rows, scans.marks)
+    rows = scans.rows[steady]
+    expected = scan.address_at(scans.count[steady] - 1)
+    bench.compare("address", recording.unsigned("address", rows), expected, clock=rows)
     check_outputs(bench, recording, (bench.twin, starts, ends, frames))
     readout.check_shown(bench, recording, shown)
     return recording, frames

@@ -7,38 +7,39 @@ shown by the proof for every frame.
 import cocotb
 import numpy as np
 
-from tb.common.bench import Bench, Recording
+from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.recorded_frames import recorded_inputs
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames, spread
+from tb.common.stimulus import frames_of_layer, spread
 
 CASES = cases("rails")
-
-
-def stimuli(bench):
-    """The frames that are played, as the twin takes them."""
-    twin, fmt = bench.twin, bench.twin.in_fmt
-    random = bench.rng.integers(fmt.low, fmt.high + 1, (300, twin.inputs))
-    ends = extreme_frames(fmt, twin.weights)
-    borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
-    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
-    corners = corner_frames(fmt, twin.inputs)
-    return np.concatenate([corners, ends, borders, rounding, random, *recorded_inputs(bench)])
 
 
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
-    twin, inputs = bench.twin, bench.twin.inputs
-    driven = stimuli(bench)
-    addr = np.tile(np.arange(inputs), (len(driven), 1))
-    ports = [f"out_q_{j}" for j in range(bench.twin.hidden)]
+    twin, fmt, inputs = bench.twin, bench.twin.in_fmt, bench.twin.inputs
+    random = bench.rng.integers(fmt.low, fmt.high + 1, (300, inputs))
+    of_sums = frames_of_layer(bench.rng, twin, twin.weights, twin.biases)
+    driven = np.concatenate([of_sums, random, *recorded_inputs(bench)])
+    place = np.tile(np.arange(inputs), len(driven))
+    ports = [f"out_q_{j}" for j in range(twin.hidden)]
     for gap in (0.0, 0.4):
-        drive = node_timeline(bench.rng, {"in_data": driven, "addr": addr}, gap)
+        items = {"in_data": driven.ravel(), "addr": place, "place": place}
+        drive = spread(bench.rng, items, "valid", gap, tail=6)
+        # A product enters the accumulator two clocks after its sample, and the last of a frame is
+        # in the sum one clock later.
+        valid, at = drive.pop("valid").astype(bool), drive.pop("place")
+        drive["accumulate"] = np.roll(valid, 2).astype(np.int64)
+        drive["preset"] = np.roll(valid & (at == 0), 2).astype(np.int64)
+        drive["capture"] = np.roll(valid & (at == inputs - 1), 3).astype(np.int64)
         recording = await bench.play(drive, ports)
-        samples, held = captured_rows(recording, inputs)
-        bench.compare("addr", recording.unsigned("addr", samples.ravel()), addr.ravel())
-        seen = recording.signed("in_data", samples.ravel()).reshape(samples.shape)
+        samples = recording.rows("accumulate") - 2
+        first = recording.rows("preset") - 2
+        assert np.array_equal(samples[::inputs], first), "preset does not open every frame"
+        held = recording.rows("capture") + 1
+        bench.compare("addr", recording.unsigned("addr", samples), place)
+        seen = recording.signed("in_data", samples).reshape(-1, inputs)
         expected = twin.process(seen)
         for quantity, sums in twin.quantities(seen).items():
             bench.meet(quantity, sums)
@@ -47,32 +48,3 @@ async def frames(dut):
             got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
             bench.compare("out_q", got, expected, frame=seen)
     bench.finish(at_least=4 * len(driven))
-
-
-def node_timeline(rng: np.random.Generator, items: dict[str, np.ndarray], gap: float):
-    """Good frames as columns: the samples, what comes with them, and the control signals.
-
-    items: For each port its values, shape (frames, inputs), which stand in the clock of the sample.
-    gap: Probability of an idle clock before each sample.
-    """
-    count, inputs = items["in_data"].shape
-    columns = {name: values.ravel() for name, values in items.items()}
-    place = np.tile(np.arange(inputs), count)
-    drive = spread(rng, columns | {"place": place}, "valid", gap, tail=6)
-    valid, place = drive.pop("valid").astype(bool), drive.pop("place")
-    drive["accumulate"] = np.roll(valid, 2).astype(np.int64)
-    drive["preset"] = np.roll(valid & (place == 0), 2).astype(np.int64)
-    drive["capture"] = np.roll(valid & (place == inputs - 1), 3).astype(np.int64)
-    return drive
-
-
-def captured_rows(recording: Recording, inputs: int):
-    """The rows of the samples, shape (frames, inputs), and the rows from which sums are held.
-
-    A product enters the accumulator two clocks after its sample. ``capture`` takes the sum that the
-    accumulator holds.
-    """
-    entered = recording.rows("accumulate") - 2
-    first = recording.rows("preset") - 2
-    assert np.array_equal(entered[::inputs], first), "preset does not open every frame"
-    return entered.reshape(-1, inputs), recording.rows("capture") + 1

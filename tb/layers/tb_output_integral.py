@@ -10,7 +10,7 @@ import numpy as np
 from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.recorded_frames import check_recorded, recorded_inputs
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
+from tb.common.stimulus import frames_of_layer
 from tb.common.stream import check_stream
 from tb.common.watch import pipeline
 
@@ -40,14 +40,10 @@ async def check(bench, items, gap, resets):
 
 def stimuli(bench, count=1000):
     """Rows and activations, as the block takes them, with ``count`` random frames among them."""
-    fmt = bench.twin.in_fmt
-    random = bench.rng.integers(fmt.low, fmt.high + 1, (count, bench.twin.hidden))
-    ends = extreme_frames(fmt, bench.twin.weights)
-    twin = bench.twin
-    borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
-    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
-    frames = np.concatenate([corner_frames(fmt, twin.hidden), ends, borders, rounding, random])
-    return rows_of(twin, frames)
+    twin, fmt = bench.twin, bench.twin.in_fmt
+    random = bench.rng.integers(fmt.low, fmt.high + 1, (count, twin.hidden))
+    of_sums = frames_of_layer(bench.rng, twin, twin.weights, twin.biases, twin.factors)
+    return rows_of(twin, np.concatenate([of_sums, random]))
 
 
 @cocotb.test()

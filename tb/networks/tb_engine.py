@@ -15,11 +15,11 @@ from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import cases
 from tb.common.cases import random_mlp
-from tb.common.framing import random_lengths, whole
+from tb.common.framing import whole
 from tb.common.images import images_with_room
 from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.images import networks_of_other_functions as other_functions
-from tb.common.loading import Sent, check_loading, exchange, loaded
+from tb.common.loading import Sent, check_images, check_loading, exchange, loaded, traffic
 from tb.common.network import TESTS
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
@@ -60,23 +60,6 @@ def frames_of(bench, frames, after):
     items = dict(zip(("in_data", "in_last"), whole(frames), strict=True))
     tail = bench.twin.output_clocks[-1] + 5
     return spread(bench.rng, items, "in_valid", 0.0, tail, pause.ravel())
-
-
-def traffic(bench, samples, most):
-    """Frames of the right length and some shorter and longer ones, up to ``most`` clocks apart."""
-    twin, rng = bench.twin, bench.rng
-    last = random_lengths(rng, twin.inputs, samples)
-    data = rng.integers(SIGNAL.low, SIGNAL.high + 1, samples if len(last) < samples else len(last))
-    pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
-    tail = twin.output_clocks[-1] + 5
-    return spread(rng, {"in_data": data, "in_last": last}, "in_valid", 0.1, tail, pause)
-
-
-def wrong_images(rng, image):
-    """Images that are cut, too long, or wrong in one bit: of every other it is proved."""
-    changed = bytearray(image)
-    changed[rng.integers(0, len(image))] ^= 1 << rng.integers(0, 8)
-    return [image[:-1], bytes(changed), image + bytes(5), image[:6]]
 
 
 def shipped_with_room(hardware, shipped):
@@ -134,24 +117,12 @@ async def other_networks(dut):
 
 @test_of(loaded)
 async def images_at_any_time(dut):
-    """Load images of two scenes and wrong ones, in the middle of frames and of their computation.
-
-    One is broken off without a last byte, so that the next image is part of it.
-    """
+    """Load images of two scenes and wrong ones at any time."""
     bench = Bench(dut)
-    rng, own = bench.rng, bench.twin.image
+    own = bench.twin.image
     shipped = shipped_with_room(bench.twin, bench.given.shipped)
     *_, other = own, *(image.to_bytes() for _, image in shipped)
-    sent, at, wrong = [], 0, wrong_images(rng, own)
-    for number in range(12):
-        data = [own, other, wrong[number // 3]][number % 3]
-        sent.append(Sent(at, data, gap=0.3 * (number % 2)))
-        at += 2 * len(data) + int(rng.integers(0, 400))
-    sent += [Sent(at, own[:50], closed=False), Sent(at, own), Sent(at, own)]
-    drive = traffic(bench, (at + 3 * len(own)) // 5, most=40)
-    counts = check_loading(bench, await exchange(bench, drive, sent))
-    assert len(counts) == 9, f"got {len(counts)} good images, sent 9"
-    assert sum(counts), "no frame was computed"
+    await check_images(bench, own, other)
     bench.finish(at_least=100)
 
 

@@ -3,21 +3,18 @@
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS
+from tb.common.framing import Scans
 from tb.sensing.spi_converter import SHEETS, Converter
 
 PINS = ["cs_n", "sclk", "mosi"]
 
 
-class Timeline:
-    """Which row of a recording is which clock of a scan."""
+class Timeline(Scans):
+    """The scans of a reader in a recording."""
 
     def __init__(self, reader, recording):
-        self.marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
-        rows = np.arange(RESET_CLOCKS, recording.clocks)
-        self.rows = rows
-        self.since = rows - self.marks[np.searchsorted(self.marks, rows) - 1] - 1
-        self.count = self.since % reader.scan_clocks
-        starts = rows[self.count == 0]
+        super().__init__(recording, reader.scan_clocks)
+        starts = self.rows[self.count == 0]
         ends = starts + reader.read_clocks[-1, -1]
         # The scans whose last bit is in the recording, and before any reset.
         kept = (ends < recording.clocks - 2) & ~np.isin(starts, self.marks)

@@ -10,6 +10,7 @@ import numpy as np
 from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.case_library import cases
+from tb.common.framing import Scans
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets
 
@@ -33,13 +34,10 @@ async def check(bench, clocks, resets=None):
         drive["rst"] = resets
     recording = await bench.play(drive, WATCH)
 
-    # A scan begins in the clock after a reset. A code that is taken in the clock of a reset is
-    # lost.
-    marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
-    rows = np.arange(RESET_CLOCKS, recording.clocks)
-    since = rows - marks[np.searchsorted(marks, rows) - 1] - 1
-    count = since % twin.scan_clocks
-    sampled = np.isin(count, twin.sample_clocks) & ~np.isin(rows, marks)
+    # A code that is taken in the clock of a reset is lost.
+    scans = Scans(recording, twin.scan_clocks)
+    rows, since, count = scans.rows, scans.since, scans.count
+    sampled = np.isin(count, twin.sample_clocks) & ~np.isin(rows, scans.marks)
     taken = rows[sampled]
     taken = taken[taken + bench.latency < recording.clocks]
     left, adc = taken + bench.latency, recording.signed("adc", taken)
