@@ -33,9 +33,7 @@ from tactus.certify.delivered import (
     read_results,
     write_cells,
 )
-from tactus.certify.proofs import write_formulas
 from tactus.verify.benches.collected import CASES
-from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.benches.written import scene_of
 
 SCENE = "rails-engine"
@@ -104,23 +102,6 @@ def tool(folder: Path, text: str, name: str = "tool") -> Path:
 def copied(certificate: Path, tmp_path: Path) -> Path:
     """A copy that may be changed."""
     return Path(shutil.copytree(certificate, tmp_path / "copy"))
-
-
-def matrix(shared: Shared) -> Job:
-    """The first matrix of a small graph of adders."""
-    jobs = with_parts(shared.subject("adder_graph"))
-    return next(job for job in jobs if job.block == "constant_matrix")
-
-
-@pytest.fixture
-def adders(certificate: Path, shared: Shared, tmp_path: Path) -> Path:
-    """The properties of a small graph of adders, beside the script that asks them."""
-    folder = tmp_path / "adders"
-    job = matrix(shared)
-    shutil.copytree(job.hdl_folder, folder / "design" / "verilog")
-    write_formulas([job], folder)
-    shutil.copy(certificate / "check.sh", folder)
-    return folder
 
 
 def colours(folder: Path) -> dict[str, str]:
@@ -306,32 +287,6 @@ def test_a_tool_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
     said = capfd.readouterr()
     assert said.err == ""
     assert len(said.out.splitlines()) == 1
-
-
-@pytest.mark.parametrize(
-    ("pattern", "wrong"),
-    [
-        (r"turned = \(one \+ other\)", "turned = (one - other)"),
-        pytest.param(
-            r"(add\d+_total = \$signed\(\{?result\[\d+)-1", r"\1-3", marks=pytest.mark.all_only
-        ),
-        pytest.param(r">>> 2\)", ">>> 3)", marks=pytest.mark.all_only),
-    ],
-    ids=["another sign", "two bits fewer", "another shift"],
-)
-def test_a_wrong_sum_is_refuted(shared: Shared, adders: Path, pattern: str, wrong: str) -> None:
-    file = adders / "design" / "verilog" / f"{matrix(shared).entity}.v"
-    text, count = re.subn(pattern, wrong, file.read_text(encoding="utf-8"), count=1)
-    assert count
-    file.write_text(text, encoding="utf-8")
-    assert check(adders, "properties") == 1
-    (result,) = read_results(adders)
-    assert result.figure.startswith(f"do not hold: {file.stem}.")
-
-
-@pytest.mark.all_only
-def test_the_sums_of_a_graph_of_adders_are_proved(adders: Path) -> None:
-    assert check(adders, "properties") == 0, read_results(adders)
 
 
 @pytest.mark.parametrize("fault", ["a weight", "a bit"])

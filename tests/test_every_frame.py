@@ -180,6 +180,25 @@ def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
         assert outcome(given, broken) in ("RefusedError", "WrongError")
 
 
+@pytest.mark.parametrize(
+    ("pattern", "wrong"),
+    [
+        (r"turned = \(one \+ other\)", "turned = (one - other)"),
+        (r"(add\d+_total = \$signed\(\{?result\[\d+)-1", r"\1-3"),
+        (r">>> 2\)", ">>> 3)"),
+    ],
+    ids=["another sign", "two bits fewer", "another shift"],
+)
+def test_a_wrong_sum_of_a_graph_of_adders_is_never_proved(
+    pattern: str, wrong: str, tmp_path: Path
+) -> None:
+    scene = scene_of(CASES["rails-graph"], tmp_path, "graph")
+    export(scene, "verilog", tmp_path)
+    folder = tmp_path / "graph" / "verilog"
+    replaced("constant_matrix_hidden.v", pattern, wrong)(folder)
+    assert outcome(description(scene), folder) != "proved"
+
+
 def test_frames_at_every_distance_are_looked_at(tmp_path: Path) -> None:
     """A frame is lost if the one before it came two clocks earlier."""
     scene = scene_of(CASES["wide-parallel"], tmp_path, "wide")

@@ -8,8 +8,8 @@ Properties: Yosys makes one module of each entity (``flatten.ys``), the property
 The questions (``.ask``) unroll this transition, as yosys-smtbmc does: that what is assumed can be;
 that from a reset on nothing fails in the first clocks; and that after so many clocks without a
 fault there is none in the next one. There is a file for each number of clocks, since few are
-quickly answered and are mostly enough. Each expression of a property is a question of its own: a
-graph of adders has hundreds of them, and to all at once z3 has no answer within hours.
+quickly answered and are mostly enough. Each expression of a property is a question of its own,
+which z3 answers far sooner than all of them at once.
 
 Every frame: the prover as one file, and what it proves the delivered hardware to compute.
 """
