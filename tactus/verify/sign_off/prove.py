@@ -9,7 +9,6 @@ recorded in ``tactus/verify/sign_off/records``. Without it, a record of anything
 """
 
 import os
-import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -95,14 +94,14 @@ def _exported(block: str, case: str) -> Job:
     return subject(block, case=case)
 
 
-def settle(job: Job, item: Property, folder: Path) -> Result:
-    inquiry = Inquiry(job, item, folder)
+def settle(job: Job, item: Property) -> Result:
+    inquiry = Inquiry(job, item)
     return Result(
         job,
         item,
-        inquiry.prove(),
-        inquiry.reach() if item.reached else Answer(True, 0),
-        tuple(inquiry.refute(n) for n in range(len(item.refuted_by))),
+        inquiry.ask("prove"),
+        inquiry.ask("reach") if item.reached else Answer(True, 0),
+        tuple(inquiry.ask("refute", n) for n in range(1, len(inquiry.copies))),
     )
 
 
@@ -153,9 +152,8 @@ def prove_blocks(blocks: list[str], record: bool) -> bool:
         for item in properties_of(job)
     ]
     results: dict[str, list[Result]] = {block: [] for block in blocks}
-    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        folders = [Path(name) / str(n) for n in range(len(items))]
-        settled = pool.map(lambda asked, folder: settle(asked[0], asked[1], folder), items, folders)
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        settled = pool.map(lambda asked: settle(*asked[:2]), items)
         for (_, _, block), result in zip(items, settled, strict=True):
             of = f"{result.job.entity} of {result.job.scene.name}"
             print(f"{of:44} {result.item.name:24} {result.line()}", flush=True)

@@ -254,16 +254,6 @@ def stale_records(outcome: Outcome) -> list[str]:
     return found
 
 
-def of_this_verilog(kind: str, name: str, now: str) -> str:
-    """Empty if a record is of the Verilog as it is now; otherwise what is wrong, and the command.
-
-    kind, name: The record; see ``recorded_cases``.
-    now: The digest that ``verilog`` gives for the entity that stands for the block in that case.
-    """
-    found, block = read_record(kind, name)["verilog"], name.partition(".")[0]
-    return "" if found == short(now) else f"of another Verilog; run: {COMMANDS[kind].format(block)}"
-
-
 def of_another_source(kind: str, block: str, now: str) -> list[str]:
     """What is wrong with a record that is not of the source as it is now; nothing if it is."""
     found = recorded(kind, block)

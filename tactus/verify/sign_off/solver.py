@@ -1,7 +1,6 @@
 """Decides whether a property holds: Yosys writes a block as formulas, and z3 solves them."""
 
 import re
-import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -60,40 +59,45 @@ def formula_script(item: Property, top: str, source: str, target: str) -> list[s
     ]
 
 
+# Pairs of name and text of files.
+Sources = tuple[tuple[str, str], ...]
+
+
 class Inquiry:
-    """All questions about one property.
+    """All questions about one property of an entity.
 
     Yosys writes the formulas of the entity and of all its broken copies in one run, as soon as one
     answer is not in the store: Yosys takes longer to start than to write most of them.
-
-    job: An entity.
-    folder: A folder that this inquiry alone uses.
     """
 
-    def __init__(self, job: Job, item: Property, folder: Path) -> None:
+    def __init__(self, job: Job, item: Property) -> None:
         self.entity, self.item = job.entity, item
-        self.sound = _staged(job, folder / "sound")
-        self.broken = [
-            _broken(job, fault, folder / f"fault{n}") for n, fault in enumerate(item.refuted_by)
-        ]
+        files = {name: (job.hdl_folder / name).read_text(encoding="utf-8") for name in job.files}
+        broken = (_broken(job.entity, files, *fault) for fault in item.refuted_by)
+        # The entity with its parts as they are, and then its broken copies.
+        self.copies: list[Sources] = [tuple(sorted(one.items())) for one in (files, *broken)]
 
-    def prove(self) -> Answer:
-        """Prove the property by induction, or up to its depth if it asks for no induction."""
-        return self._ask("prove", self.sound, 0)
+    def ask(self, question: str, copy: int = 0) -> Answer:
+        """``prove`` a property, ``reach`` what it is about, or ``refute`` it of a broken copy.
 
-    def reach(self) -> Answer:
-        """Check that everything is reachable that must be, so that the property means something."""
-        return self._ask("reach", self.sound, 0)
+        It is proved by induction, or up to its depth if it asks for no induction. A broken copy is
+        searched, from reset on, for what the property forbids.
+        """
 
-    def refute(self, fault: int) -> Answer:
-        """Search a broken copy, from reset on, for what the property forbids."""
-        return self._ask("refute", self.broken[fault], fault + 1)
+        def work(folder: Path) -> dict[str, Any]:
+            (folder / "proof.smt2").write_text(self.formulas[copy], encoding="utf-8")
+            return asdict(_QUESTIONS[question](self.item, folder))
+
+        facts = {"entity": self.entity, "question": question, "property": repr(self.item)}
+        with tempfile.TemporaryDirectory() as name:
+            _write(self.copies[copy], Path(name))
+            return Answer(**stored(work, Path(name), TOOLS, **facts))
 
     @cached_property
     def formulas(self) -> tuple[str, ...]:
         """The entity and its broken copies, each with the property, as SMT2."""
-        flat = _flattened(self.entity, (_sources(self.sound),))
-        flat += _flattened(self.entity, tuple(map(_sources, self.broken)))
+        sound, *broken = self.copies
+        flat = _flattened(self.entity, (sound,)) + _flattened(self.entity, tuple(broken))
         texts = [self.item.verilog(text, self.entity, helped=n == 0) for n, text in enumerate(flat)]
         return _made([(("proof.sv", text),) for text in texts], self._script, "proof.smt2")
 
@@ -101,52 +105,22 @@ class Inquiry:
         names = (f"{folder}/proof.{kind}" for kind in ("sv", "smt2"))
         return formula_script(self.item, self.entity, *names)
 
-    def _ask(self, question: str, verilog: Path, copy: int) -> Answer:
-        def work(folder: Path) -> dict[str, Any]:
-            (folder / "proof.smt2").write_text(self.formulas[copy], encoding="utf-8")
-            return asdict(_QUESTIONS[question](self.item, folder))
 
-        facts = {"entity": self.entity, "question": question, "property": repr(self.item)}
-        return Answer(**stored(work, verilog, TOOLS, **facts))
-
-
-def _staged(job: Job, folder: Path) -> Path:
-    """The files of the entity and its parts, and no others."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for old in folder.glob("*"):
-        old.unlink()
-    for name in job.files:
-        shutil.copy(job.hdl_folder / name, folder)
-    return folder
-
-
-def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
-    """Copy the files, and put a fault into the first one that contains its pattern.
-
-    The file of the block itself is searched first.
-    """
-    _staged(job, folder)
-    pattern, text = fault
-    for name in (f"{job.entity}.v", *job.files):
-        file = folder / name
-        whole = file.read_text(encoding="utf-8")
-        changed = re.sub(pattern, text, whole, count=1)
-        if changed != whole:
-            file.write_text(changed, encoding="utf-8")
-            return folder
+def _broken(entity: str, files: dict[str, str], pattern: str, text: str) -> dict[str, str]:
+    """The files with a fault in the first one that contains its pattern, the entity's own first."""
+    for name in sorted(files, key=lambda name: name != f"{entity}.v"):
+        changed = re.sub(pattern, text, files[name], count=1)
+        if changed != files[name]:
+            return files | {name: changed}
     raise InputError(
-        f"{job.entity}: {pattern} replaced by {text} changes nothing in its Verilog, expected a "
-        "change"
+        f"{entity}: {pattern} replaced by {text} changes nothing in its Verilog, expected a change"
     )
 
 
-# Pairs of name and text of files.
-Sources = tuple[tuple[str, str], ...]
-
-
-def _sources(folder: Path) -> Sources:
-    files = sorted(folder.glob("*.v"))
-    return tuple((file.name, file.read_text(encoding="utf-8")) for file in files)
+def _write(sources: Sources, folder: Path) -> None:
+    folder.mkdir(exist_ok=True)
+    for name, text in sources:
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 # The answer is kept, because all properties of a block ask for the same text.
@@ -172,9 +146,7 @@ def _made(
         folder = Path(name)
         lines = []
         for n, sources in enumerate(copies):
-            (folder / str(n)).mkdir()
-            for file, text in sources:
-                (folder / str(n) / file).write_text(text, encoding="utf-8")
+            _write(sources, folder / str(n))
             lines += ["design -reset", *script(str(n))]
         (folder / "make.ys").write_text("\n".join(lines), encoding="utf-8")
         run_tool("yosys", ["-q", "make.ys"], folder)

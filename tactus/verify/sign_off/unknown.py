@@ -112,7 +112,7 @@ class Netlist:
         cells = self.module["cells"].values()
         return sum(len(cell["connections"].get("Y", "")) for cell in cells)
 
-    def in_reset(self, bit: Bit) -> Bit:
+    def in_reset(self, bit: Bit) -> str:
         """The value of a net in a clock of reset: "0", "1", or "x" if it depends on registers."""
         if bit == self.rst:
             return "1"
@@ -122,7 +122,7 @@ class Netlist:
         wires = cell["connections"]
         select = self.in_reset(wires["S"][0])
         low, high = (self.in_reset(wires[port][n]) for port in "AB")
-        return {"0": low, "1": high}.get(str(select), low if low == high else "x")
+        return {"0": low, "1": high}.get(select, low if low == high else "x")
 
     def is_reset(self, bit: Bit) -> bool:
         """Whether a clock of reset gives a register a value; a constant one counts, too."""
@@ -146,22 +146,20 @@ class Netlist:
         shows all other registers that have a reset.
         """
         netlist = deepcopy(self.netlist)
-        cells = netlist["modules"][self.top]["cells"]
-        wires = [bits for cell in cells.values() for bits in cell["connections"].values()]
-        wires += [port["bits"] for port in self.module["ports"].values()]
-        free = max(bit for bits in wires for bit in bits if isinstance(bit, int))
+        module = netlist["modules"][self.top]
         lost = unreset.bits if unreset else ()
-        for bit, (name, n) in self.flip_flops.items():
-            loses = bit in lost or (bit not in self.held and not self.is_reset(bit))
-            if self.rst is not None and loses:
-                free += 1
-                data = cells[name]["connections"]["D"]
-                cells[f"$unknown{free}"] = multiplexer(data[n], "x", self.rst, free)
-                data[n] = free
+        clocked = [cell for cell in module["cells"].values() if cell["type"] == REGISTER]
+        for cell in clocked if self.rst is not None else []:
+            wires = cell["connections"]
+            if not self.held.issuperset(wires["Q"]):
+                pairs = zip(wires["Q"], wires["D"], strict=True)
+                values = ["x" if bit in lost else self.in_reset(data) for bit, data in pairs]
+                cell["type"], cell["port_directions"]["SRST"] = "$sdff", "input"
+                cell["parameters"] |= {"SRST_POLARITY": "1", "SRST_VALUE": "".join(values[::-1])}
+                wires["SRST"] = [self.rst]
         if held:
             bits = [bit for bit in self.flip_flops if self.is_reset(bit) and bit not in lost]
-            ports = netlist["modules"][self.top]["ports"]
-            ports[held] = {"direction": "output", "bits": bits or ["0"]}
+            module["ports"][held] = {"direction": "output", "bits": bits or ["0"]}
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             (folder / "n.json").write_text(json.dumps(netlist), encoding="utf-8")
@@ -175,17 +173,6 @@ class Netlist:
         with replace_file(changed.hdl_folder / f"{self.top}.v") as temporary:
             temporary.write_text(self.verilog(unreset), encoding="utf-8")
         return changed
-
-
-def multiplexer(low: Bit, high: Bit, select: Bit, out: Bit) -> Cell:
-    """A multiplexer of one bit, as Yosys has it in JSON."""
-    return {
-        "type": "$mux",
-        "parameters": {"WIDTH": f"{1:032b}"},
-        "attributes": {},
-        "port_directions": {"A": "input", "B": "input", "S": "input", "Y": "output"},
-        "connections": {"A": [low], "B": [high], "S": [select], "Y": [out]},
-    }
 
 
 def with_unknowns(job: Job) -> Job:
