@@ -122,6 +122,7 @@ WARNINGS = {
         "30 rows: 15 train",
     ),
     "few codes": (lambda p: column(p, "x1", lambda x: x / 1000), "x1: moves over"),
+    "few codes of an output": (lambda p: column(p, "y1", lambda y: y / 1000), "y1: moves over"),
     "end": (lambda p: column(p, "x1", lambda x: np.clip(x, -1, 0.4)), "x1: .* exactly 0.4"),
     "outside": (lambda p: column(p, "x1", lambda x: x * 1.02), "readings outside -1 to 1"),
     "same": (

@@ -146,6 +146,7 @@ def halves() -> dict[str, object]:
         ({"s1": clipped()}, r"warning  s1: 8 readings are exactly [\d.]+, its largest"),
         ({"s2": -clipped()}, r"warning  s2: 8 readings are exactly -[\d.]+, its least"),
         ({"s3": TABLE["s3"] / 100}, r"warning  s3: moves over \d+ of the 16384 codes"),
+        ({"place": PLACE / 1000}, r"warning  place: moves over \d+ of the 16384 codes"),
         (halves(), r"29 of 60 rows are exact means of the rows beside them"),
         ({"s1": TABLE["s1"] * 3}, r"note     .*'s1' reaches 1\.\d+, .*scales every column"),
         ({"Kraft [N]": TABLE["s1"] ** 2}, r"note     .*'Kraft \[N\]': names with other signs"),
@@ -175,6 +176,17 @@ def test_columns_that_are_no_sensors_are_left_out(tmp_path: Path, column, why: s
     found = look(tmp_path, more=column)
     assert found.left_out == {"more": why}
     assert "more" not in found.sensors
+
+
+def test_readings_in_farads_do_not_count_rows(tmp_path: Path) -> None:
+    found = look(tmp_path, more=[f"{value:.5e}" for value in 1e-12 * RNG.uniform(1, 2, 60)])
+    assert "more" in found.sensors
+
+
+def test_a_refused_scene_is_named_as_it_would_be_written(tmp_path: Path) -> None:
+    found = look(tmp_path, more=[f"{value:.5e}" for value in 1e300 * RNG.uniform(1, 2, 60)])
+    with pytest.raises(InputError, match=rf"for data.scale.more in {tmp_path / 'mine.toml'}$"):
+        write_scene(found, tmp_path / "mine.toml")
 
 
 @pytest.mark.parametrize(("sessions", "grouped", "split"), [(6, 1, 1), (2, 1, 1), (60, 0, 0)])

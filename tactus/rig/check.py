@@ -165,10 +165,8 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
     for c, name in enumerate([*scene.sensors, *([] if scene.labels else scene.outputs)]):
         ends = SIGNAL.quantise([as_signals[:, c].min(), as_signals[:, c].max()], name)[0]
         text = f"{own[:, c].min():g} to {own[:, c].max():g}, codes {ends[0]} to {ends[1]}"
-        findings.append(Finding(OK, name, text))
+        findings += [Finding(OK, name, text), *readings.few_codes(name, as_signals[:, c])]
     findings += [fault(text, WARNING) for text in vectors.outside]
-    for c, name in enumerate(scene.sensors):
-        findings += readings.few_codes(name, sensors[:, c])
     columns = dict(zip(scene.sensors, rows.sensors.T, strict=True))
     findings += readings.at_ends(columns, scene.ends)
     if scene.training.split == "random":

@@ -225,10 +225,13 @@ def write_scene(
     """
     with replace_file(path) as temporary:
         temporary.write_text(draft(found, path, hardware, network), encoding="utf-8")
-        scene = load_scene(str(temporary))
-        scaled(scene).vectors()
-        if network:
-            scene.networks()
+        try:
+            scene = load_scene(str(temporary))
+            scaled(scene).vectors()
+            if network:
+                scene.networks()
+        except InputError as error:
+            raise InputError(str(error).replace(str(temporary), str(path))) from None
         trained = [] if network else [*scene.network_files, *scene.provenance_paths]
         for file in [path, *trained]:
             if file.exists() or file.is_symlink():

@@ -48,9 +48,9 @@ def constant(values: Real) -> bool:
 def counts_rows(values: Real) -> bool:
     """Whether a column rises by the same step from row to row, as a row number or a time does."""
     steps = np.diff(values)
-    # The seconds since 1970 are so large that their steps differ by last bits.
-    same = 1e-9 + 4 * np.spacing(np.abs(values).max())
-    return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) < same).all())
+    # Equal steps differ by last bits of the values, which for seconds since 1970 are 2e-7.
+    same = 4 * np.spacing(np.abs(values).max())
+    return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) <= same).all())
 
 
 def repeats(values: Real, other: Real) -> bool:
@@ -106,8 +106,8 @@ def few_codes(name: str, values: Real) -> list[Finding]:
     if codes >= FEW_CODES:
         return []
     text = (
-        f"moves over {codes:.0f} of the {2**SIGNAL.width} codes from -1 to 1; amplify it, or give "
-        "it a scale"
+        f"moves over {codes:.0f} of the {2**SIGNAL.width} codes from -1 to 1; give it a scale "
+        "(data.scale), or amplify it"
     )
     return [Finding(WARNING, name, text)]
 

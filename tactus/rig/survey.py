@@ -138,7 +138,7 @@ def _shown(path: str, found: Survey) -> list[Finding]:
     """Find what the readings show, sensor by sensor and together."""
     findings = readings.interpolated(path, np.column_stack(list(found.sensors.values())))
     findings += readings.at_ends(found.sensors)
-    for name, values in found.sensors.items():
+    for name, values in (found.sensors | found.outputs).items():
         findings += [] if found.beyond else readings.few_codes(name, values)
     findings += [_beyond(path, found)] if found.beyond else []
     return findings + readings.odd_names(path, [*found.sensors, *found.outputs])
