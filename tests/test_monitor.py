@@ -15,6 +15,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,7 @@ class Cable:
 
     def __init__(self, board: TwinBoard, folder: Path) -> None:
         self.board, self.port = board, str(folder / "port")
+        self.noise: SimpleQueue[bytes] = SimpleQueue()
         self._ends: list[int] = []
         self._lock, self._done = threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._carry)
@@ -88,15 +90,18 @@ class Cable:
             self._ends.clear()
             Path(self.port).unlink(missing_ok=True)
 
-    def send(self, data: bytes) -> None:
-        # While nobody reads, bytes are lost.
-        with self._lock, suppress(BlockingIOError):
-            if self._ends:
-                os.write(self._ends[0], data)
-
     def _carry(self) -> None:
+        waiting = b""
         while not self._done.is_set():
-            self.send(self.board.read())
+            if not waiting:
+                waiting = self.board.read()
+                if not self.noise.empty():
+                    waiting += self.noise.get()
+            # While nobody reads, bytes wait.
+            with self._lock, suppress(BlockingIOError):
+                waiting = waiting[os.write(self._ends[0], waiting) :] if self._ends else b""
+            if waiting:
+                time.sleep(0.001)
 
 
 def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) -> None:
@@ -136,7 +141,7 @@ def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene, tmp_path: P
         monitor = Monitor(Board(scene, scene), said.append)
         tally = monitor.decoder.tally
         listen(monitor, line, lambda: tally["frames"] > 20)
-        cable.send(b"noise" * 9)
+        cable.noise.put(b"noise" * 9)
         listen(monitor, line, lambda: any("are part of no packet" in text for text in said))
         cable.cut()
         listen(monitor, line, lambda: monitor.state()["line"] == "cut")
@@ -327,7 +332,7 @@ def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Pa
         assert page.count("<circle") == 17
         assert page.count('class="course"') == 4
         assert "nothing yet" in plain(page, "messages")
-        cable.send(b"noise")
+        cable.noise.put(b"noise")
         cable.cut()
         listen(monitor, line, lambda: monitor.state()["line"] == "cut")
         page = browse(server.address, tmp_path)
