@@ -17,6 +17,7 @@ from shared import Shared
 from golden.input_error import suggest
 from golden.layers import sharing
 from golden.trained.dense import DenseNetwork
+from tactus.core.cli import HASH_SEED
 from tactus.core.commands import COMMANDS, EVERYWHERE
 from tactus.core.machine import closing
 from tactus.core.store import VARIABLE
@@ -57,6 +58,8 @@ def pytest_configure(config: pytest.Config) -> None:
     # test that keeps something names a folder of its own.
     for name in ("MAKEFLAGS", "MAKEOVERRIDES", "MAKELEVEL", "PYTEST_ADDOPTS", VARIABLE, *GIVEN):
         os.environ.pop(name, None)
+    # So workers begin with the hash seed that exports need.
+    os.environ.update(HASH_SEED)
     refuse_missing(config)
 
 

@@ -45,7 +45,6 @@ class Desk:
         self._capfd = capfd
         monkeypatch.chdir(folder)
         monkeypatch.setattr(warnings, "formatwarning", warnings.formatwarning)
-        monkeypatch.setenv("PYTHONHASHSEED", "0")
 
     def edit(self, old: str, new: str, file: str = "mine.toml", encoding: str = "utf-8") -> None:
         """Replace ``old``, which the file must contain, or the whole file by ``new``."""

@@ -5,20 +5,24 @@ import os
 import re
 import shutil
 import subprocess
+import sys
+import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from subprocess import CompletedProcess
 
 import pytest
-from exporter import Exporter
 
 from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
+from tactus.export.__main__ import BOTH, export_scene
+from tactus.export.hierarchy import LANGUAGES
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
-from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
+from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
 from tactus.verify.benches.tools import language
 from tactus.verify.benches.written import scene_of
 from tactus.verify.sign_off.record import first
@@ -36,7 +40,6 @@ class Shared:
         # A scene builds its twin once; hundreds of tests of a worker ask for the same few.
         self._scenes: dict[str, Scene] = {}
         self._jobs: dict[tuple[str, str], list[Job]] = {}
-        self._exporter = Exporter()
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
@@ -75,9 +78,22 @@ class Shared:
         """The folder with the VHDL or Verilog of a scene. Tests must not change it."""
         scene = self.scene(name)
         # A case is simulated in both languages. Most tests of a shipped scene need only one.
-        wanted = "both" if name in CASES else tongue
-        self.once(f"{name} {wanted}", lambda: self._exporter.export(scene, wanted, self.build))
+        wanted = BOTH if name in CASES else tongue
+        self.once(f"{name} {wanted}", lambda: self._export(scene, wanted))
         return self.build / scene.name / tongue
+
+    def _export(self, scene: Scene, tongue: str) -> None:
+        """Export here, if this process began with the hash seed that MyHDL needs.
+
+        Its facts and warnings are no output of the test that happens to run.
+        """
+        if sys.flags.hash_randomization:
+            export(scene, tongue, self.build)
+            return
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for one in LANGUAGES if tongue == BOTH else [tongue]:
+                export_scene(scene, one, self.build / scene.name / one)
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
         """The benches of a scene in a simulator, on the shared exports, for ``run``."""
