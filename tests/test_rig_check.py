@@ -285,7 +285,8 @@ def test_an_output_beyond_its_range_is_outside(known: TrainedOn) -> None:
     outputs = np.array([middle, high + 0.09 * span, beyond, low - 0.11 * span])
     below = f"force below {low[0]:g}; place below {low[1]:g}"
     assert known.reasons(outputs, np.zeros(4)) == ["", "", f"force above {high[0]:g}", below]
-    assert known.reasons(outputs[:1], np.array([1.01])) == [UNLIKE]
+    for distance in (1.01, np.inf, np.nan):
+        assert known.reasons(outputs[:1], np.array([distance])) == [UNLIKE]
 
 
 def test_the_limit_is_that_of_the_held_out_rows() -> None:

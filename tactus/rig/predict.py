@@ -89,7 +89,8 @@ class TrainedOn:
                 )
                 if not low - over <= value <= high + over
             ]
-            said += [UNLIKE] if distance > 1 else []
+            # Of the largest floats the distance is no number.
+            said += [] if distance <= 1 else [UNLIKE]
             reasons.append("; ".join(said))
         return reasons
 
