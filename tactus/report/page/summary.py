@@ -113,13 +113,14 @@ def errors(found: Outcome) -> Table:
         largest: Row = {"largest %": error.largest_mean} if scene.group_by else {}
         row: Row = {"output": name, "held out %": means[c], "mean %": error.mean, **largest}
         noisy = {f"noise {noise:g} %": float(e[:, c].mean()) for noise, e in found.noisy.items()}
-        rows.append({**row, "worst %": error.worst, **noisy, "mean in floating point %": real.mean})
+        rows.append({**row, "worst %": error.worst, **noisy, "float %": real.mean})
     note = (
         "The errors are bit-true, which means those of the hardware, on the recorded rows. "
         + (ERRORS_OF_CLASSES if scene.labels else "")
         + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
         + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
-        "with noise of this size on every reading, in its unit."
+        "with noise of this size on every reading, in its unit; float that of the networks in "
+        "floating point."
     )
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
