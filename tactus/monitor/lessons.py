@@ -207,26 +207,21 @@ class Lessons:
         """
         if not self.theta:
             return []
-        scene, found = self.board.scene, self._found[1]
-        own = self._texts(self.theta)
-        computed = self._texts(found) if found else [("", "")] * len(own)
+        scene = self.board.scene
+        names = "name", "unit", "gain", "offset", "gain_found", "offset_found"
+        parts = zip(
+            scene.sensors, self._texts(self.theta), self._texts(self._found[1]), strict=True
+        )
         return [
-            {
-                "name": name,
-                "gain": gain,
-                "offset": offset,
-                "gain_found": gain_found,
-                "offset_found": offset_found,
-                "unit": scene.units.get(name, ""),
-            }
-            for name, (gain, offset), (gain_found, offset_found) in zip(
-                scene.sensors, own, computed, strict=True
-            )
+            dict(zip(names, (sensor, scene.units.get(sensor, ""), *own, *found), strict=True))
+            for sensor, own, found in parts
         ]
 
     def _texts(self, theta: list[int]) -> list[tuple[str, str]]:
-        """Gain in percent and offset of each sensor."""
+        """Gain in percent and offset of each sensor, as texts; empty ones without theta."""
         scene = self.board.scene
+        if not theta:
+            return [("", "")] * len(scene.sensors)
         gains, offsets = self._taught.corrections(np.array(theta))
         scales, places = scene.scales(scene.sensors), self.board.decimals
         return [

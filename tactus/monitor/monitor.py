@@ -135,7 +135,7 @@ class Monitor:
             line.write(lesson.packet)
         except InputError:
             with self._lock:
-                self.messages.tell("lesson", NOT_SENT)
+                self.messages.tell(NOT_SENT)
             return
         with self._lock:
             self.lessons.sent(lesson, self._values, self._clock())
@@ -168,8 +168,8 @@ class Monitor:
                 self.lessons.told(frame.theta)
             last = frame
         for flag, text in FLAG_TEXTS.items():
-            if self._lit[flag] == now and self.messages.due(flag):
-                self.messages.tell(flag, text)
+            if self._lit[flag] == now:
+                self.messages.repeat(flag, text)
         self.computed += computed
         self._newest, self._values = last, values[-1]
         self._packet_at = now
@@ -187,8 +187,8 @@ class Monitor:
         if number < len(self._profile):
             x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
             self._profile[number] = (x, y)
-        elif self.messages.due("point"):
-            self.messages.tell(
+        else:
+            self.messages.repeat(
                 "point",
                 f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
                 "board runs the hardware of another scene",
@@ -196,8 +196,8 @@ class Monitor:
 
     def _judge_winner(self, index: int) -> None:
         count = len(self.board.scene.outputs)
-        if index >= count and self.messages.due("winner"):
-            self.messages.tell(
+        if index >= count:
+            self.messages.repeat(
                 "winner",
                 f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
                 "the networks of another scene",
@@ -217,8 +217,7 @@ class Monitor:
         """Report each kind of fault that has come again since its last report, if one is due."""
         for kind, count in self.decoder.tally.items():
             text = fault(kind, count, self._told[kind])
-            if text and self.messages.due(kind):
-                self.messages.tell(kind, text)
+            if text and self.messages.repeat(kind, text):
                 self._told[kind] = count
 
     def _watch(self, line: Line) -> None:
@@ -234,18 +233,18 @@ class Monitor:
                 # The course has a gap here, because nothing is known of the time of the cut.
                 self._course.append((now, []))
                 text = f"the line was cut: {line.cut}; waiting for {line.label}"
-                self.messages.tell("line", text)
+                self.messages.tell(text)
             self._line = "cut"
         elif self._line == "cut":
-            self.messages.tell("line", f"{line.label} is back")
+            self.messages.tell(f"{line.label} is back")
             self._line, self._packet_at = "waiting", now
         elif now - self._packet_at > line.silence:
             if self._line != "silent":
-                self.messages.tell("line", f"no packet for {line.silence:g} s")
+                self.messages.tell(f"no packet for {line.silence:g} s")
             self._line = "silent"
         elif self._newest is not None:
             if self._line == "silent":
-                self.messages.tell("line", "packets come again")
+                self.messages.tell("packets come again")
             idle = len(self._arrivals) >= RATE_ARRIVALS and not self.rates()[1]
             self._line = "idle" if idle else "packets"
 
@@ -356,14 +355,17 @@ class Messages:
         self._say, self._clock = say, clock
         self._last: dict[str, float] = {}
 
-    def due(self, kind: str) -> bool:
-        """Whether so much time has passed that a message of this kind may be printed again."""
+    def repeat(self, kind: str, text: str) -> bool:
+        """Print a message, unless one of its kind was printed in the last ``PAUSE`` seconds."""
         now = self._clock()
-        return now - self._last.get(kind, -PAUSE) >= PAUSE
+        due = now - self._last.get(kind, -PAUSE) >= PAUSE
+        if due:
+            self._last[kind] = now
+            self.tell(text)
+        return due
 
-    def tell(self, kind: str, text: str) -> None:
-        """Print a message now, even if it is not ``due``."""
-        self._last[kind] = self._clock()
+    def tell(self, text: str) -> None:
+        """Print a message now."""
         line = f"{time.strftime('%H:%M:%S')} {text}"
         self.lines.appendleft(line)
         self._say(line)
