@@ -168,7 +168,7 @@ def test_the_first_table_of_a_report_holds_the_errors() -> None:
     noises = [f"noise {noise:g} %" for noise in noises_of(scene)]
     assert list(table.columns) == [
         *("output", "held out %", "mean %", "largest %", "worst %", *noises),
-        *("float %", "thesis largest %"),
+        *("float %", "thesis %"),
     ]
     for n, (name, *figures) in enumerate(table.rows):
         real, bit_true = (found[kind][n] for kind in ("float", "bit-true"))

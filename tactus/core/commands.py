@@ -152,7 +152,7 @@ COMMANDS = (
     Command(
         "demo",
         "Simulates every block of a scene, exports it and prints the table of its errors; without "
-        "SCENE= it does so for scenes thesis and digit and prints them side by side. FULL=1 "
+        "SCENE= it does so for scenes thesis and digit, and compares with the thesis. FULL=1 "
         "simulates each entity of a block by itself too.",
         (OPTIONAL_SCENE, FULL),
         "tactus.cli.demo",

@@ -132,7 +132,7 @@ def content(scene: Scene) -> Page:
         [
             *([accuracy(found)] if scene.labels else []),
             summary.errors(found),
-            summary.cost_table(scene, design, cost, compared=bool(scene.reference)),
+            summary.cost_table(scene, design, cost),
             *summary.in_units(scene),
         ],
         [section for section in sections if section is not None],

@@ -125,8 +125,10 @@ def errors(found: Outcome) -> Table:
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
         for row, figure in zip(rows, printed, strict=True):
-            row["thesis largest %"] = figure
-        note += " Thesis: bit-true simulation of the design that this one reproduces."
+            row["thesis %"] = figure
+        note += (
+            " Thesis: its largest, in bit-true simulation of the design that this one reproduces."
+        )
     return Table.of("errors", rows, note)
 
 
@@ -150,11 +152,12 @@ def in_units(scene: Scene) -> list[Table]:
     return [Table.of("errors_in_units", rows, note)] if rows else []
 
 
-def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
+def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
     """The clocks and, if ``make synth`` recorded them, the frequency and the cells.
 
-    With ``compared``, the figures of the reference stand beside them, and the shares of its device.
+    The figures of a reference stand beside them, and the shares of its device.
     """
+    compared = bool(scene.reference)
     clocks = clocks_per_frame(design)
     rows: list[list[Cell]] = [
         ["clocks from first sample to last output", clocks, None],
