@@ -48,8 +48,13 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 NAMES = {name: case for block in BENCHES for name, case in recorded_cases(block).items()}
 
 
-def test_every_block_has_a_score() -> None:
-    assert sorted(NAMES) == sorted(records("mutation"))
+def test_every_block_is_recorded_and_nothing_else() -> None:
+    assert sorted(NAMES) == sorted(records("mutation")) == sorted(records(UNKNOWN))
+    compared = {(block, case) for block in BENCHES for case in equal.cases(block)}
+    found = records(equal.KIND).items()
+    assert {(name.partition(".")[0], one["scene"]) for name, one in found} == compared
+    assert sorted(BENCHES) == sorted(records(NETLIST))
+    assert sorted(PROOFS) == sorted(records("proof"))
     assert set(PROOFS) <= set(BENCHES)
 
 

@@ -26,7 +26,7 @@ from tactus.verify.benches.runner import Job, Outcome, run_job, shipped_for
 from tactus.verify.benches.tools import version
 
 FACTS = ("compared", "seconds", "facts")
-PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
+PACKAGES = ("cocotb", "cocotb-test", "cocotbext-axi", "cocotbext-uart", "numpy")
 # This module gives every bench its twin, and the rest of the design to the benches that ask for it.
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")

@@ -131,23 +131,17 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
             super().__init__(**arguments)
         self.log = log
 
-    @property
-    def results(self) -> Path:
-        """The file in which cocotb writes the result of each test."""
-        return Path(self.work_dir) / RESULTS
-
-    def set_env(self) -> None:
+    def run(self) -> None:
+        """Build and simulate, and stop where a command fails or a test did not run and pass."""
+        results = Path(self.work_dir) / RESULTS
         self.env |= machine() | {
             "COCOTB_TOPLEVEL": self.toplevel_module,
             "COCOTB_TEST_MODULES": self.module,
-            "COCOTB_RESULTS_FILE": str(self.results),
+            "COCOTB_RESULTS_FILE": str(results),
             "TOPLEVEL_LANG": self.toplevel_lang,
         }
-
-    def execute(self, cmds: list[list[str]]) -> None:
-        """Run the commands one after the other, up to the first that fails."""
         with self.log.open("w") as log:
-            for command in cmds:
+            for command in self.build_command():
                 ended = subprocess.run(
                     command,
                     cwd=self.work_dir,
@@ -159,13 +153,8 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
                 )
                 if ended.returncode:
                     raise SystemExit(f"{command[0]} ended with {ended.returncode}: see {self.log}")
-
-    def run(self) -> str:
-        self.set_env()
-        self.execute(self.build_command())
-        if not self.results.is_file() or not passed(self.results):
+        if not results.is_file() or not passed(results):
             raise SystemExit(f"{self.toplevel_module}: tests did not pass: see {self.log}")
-        return str(self.results)
 
 
 class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
@@ -173,28 +162,11 @@ class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
 
 
 class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
-    """GHDL, which takes an entity from a library that ``analyse`` has filled.
-
-    entity: The entity in that library.
-    **arguments: The arguments of ``BenchSimulator``, without sources.
-    """
-
-    def __init__(self, entity: str, library: Path, **arguments: Any) -> None:
-        super().__init__(
-            toplevel=f"work.{entity}",
-            toplevel_lang="vhdl",
-            # The list is empty, because cocotb-test would compile the files again for each entity.
-            vhdl_sources={},
-            compile_args=[VHDL, f"--workdir={library}"],
-            **arguments,
-        )
+    """GHDL, which takes an entity from a library that ``analyse`` has filled."""
 
     def build_command(self) -> list[list[str]]:
         link = ["ghdl", "-e", *self.compile_args, self.toplevel_module]
         return [link, *super().build_command()]
-
-
-SIMULATORS = {"ghdl": Ghdl, "icarus": Icarus}
 
 
 def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
@@ -207,15 +179,24 @@ def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
         "log": log,
     }
     if run.simulator == "ghdl":
-        arguments |= {"entity": run.entity, "library": run.library, "sim_args": [QUIET_AT_0]}
+        arguments |= {
+            "simulator": Ghdl,
+            "toplevel": f"work.{run.entity}",
+            "toplevel_lang": "vhdl",
+            # The list is empty, because cocotb-test would compile the files again for each entity.
+            "vhdl_sources": {},
+            "compile_args": [VHDL, f"--workdir={run.library}"],
+            "sim_args": [QUIET_AT_0],
+        }
     else:
         arguments |= {
+            "simulator": Icarus,
             "toplevel": run.entity,
             "verilog_sources": list(run.sources),
             "timescale": TIMESCALE,
         }
     try:
-        cocotb_test.run.run(simulator=SIMULATORS[run.simulator], **arguments)
+        cocotb_test.run.run(**arguments)
     except SystemExit:
         return False
     return True

@@ -4,7 +4,7 @@ Three things are asked of each property: that it holds in every clock after rese
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
 that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
 the Verilog (``tactus.verify.sign_off.equal``). Answers are kept in the store. A property that
-does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` the proofs are
+does not hold leaves a counterexample in ``build/prove``. With ``--record`` the proofs are
 recorded in ``tactus/verify/sign_off/records``. Without it, a record of anything else is an error.
 """
 

@@ -57,7 +57,8 @@ def case_line(block: str | None) -> str:
 
 
 def recorded_cases(block: str) -> dict[str, str]:
-    """The cases in which a block is recorded, by name of the record; proofs name their own.
+    """The cases in which a block is recorded, by name of the record; proofs and the comparison
+    of both languages name their own.
 
     The record of the first case has the name of the block. The bench names further cases in
     ``ALSO``, where the hardware has logic that it does not have in the first.
