@@ -486,9 +486,8 @@ def test_constants_of_table_4_4_with_the_misprints_mended() -> None:
         assert 9 * row[2] == pytest.approx(printed[2], abs=6e-5)
     assert values[:, 2] == pytest.approx([-0.000144, 0.0766], abs=6e-5)
     twin = polynomial_for(THESIS, 3, SIGNAL.high)
-    points = twin.formats
-    assert {points.quadratic.frac, points.linear.frac, points.constant.frac} == {13}
-    assert (points.square_frac, points.sum_frac, points.factor_frac) == (13, 13, 10)
+    assert {twin.quadratic.frac, twin.linear.frac, twin.constant.frac} == {13}
+    assert (twin.square_frac, twin.sum_frac, twin.factor_frac) == (13, 13, 10)
     assert twin.factor == round(9.68139 * 1024)
 
 

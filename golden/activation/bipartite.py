@@ -21,7 +21,6 @@ from golden.activation.bipartite_table import (
 from golden.activation.scheme import Option, Scheme, require_exact
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import EXACT, Precision
 from golden.trained.dense import tanh
@@ -64,15 +63,7 @@ class Bipartite(ActivationBlock):
     reach_width: int
 
     def __post_init__(self) -> None:
-        if self.memory not in FORMATS:
-            raise InputError(
-                f"{self.entity}: got memory={self.memory!r}, expected one of {', '.join(FORMATS)}"
-            )
-        if self.in_fmt.frac != EXACT.hidden_fmt.frac or self.out_fmt != RESULT:
-            raise InputError(
-                f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
-                f"{EXACT.hidden_fmt.frac} fraction bits and {RESULT}"
-            )
+        assert (self.in_fmt.frac, self.out_fmt) == (EXACT.hidden_fmt.frac, RESULT), self.entity
         self.check(reach_width=(self.formats.group_width + 1, self.in_fmt.width - 1))
 
     @property
@@ -198,10 +189,7 @@ class BipartitePair(Block):
     activation: Bipartite
 
     def __post_init__(self) -> None:
-        if self.activation.memory != "block_ram":
-            raise InputError(
-                f"{self.entity}: got memory={self.activation.memory!r}, expected block_ram"
-            )
+        assert self.activation.memory == "block_ram", self.entity
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -1,6 +1,7 @@
 """Comparator bank: finds the segment of the activation in which a magnitude lies."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +9,6 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.border import Border
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, check_unsigned
 
 
@@ -30,17 +30,8 @@ class ComparatorBank(Block):
     thresholds: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        top = (1 << self.mag_width) - 1
-        rising = list(self.thresholds) == sorted(set(self.thresholds))
-        if not rising:
-            raise InputError(
-                f"comparator_bank: got thresholds {self.thresholds}, expected them strictly rising"
-            )
-        if self.thresholds and (self.thresholds[0] < 0 or self.thresholds[-1] >= top):
-            raise InputError(
-                f"comparator_bank: got thresholds {self.thresholds}, expected 0 to {top - 1} "
-                f"for a magnitude of {self.mag_width} bits"
-            )
+        marks = -1, *self.thresholds, (1 << self.mag_width) - 1
+        assert all(a < b for a, b in pairwise(marks)), f"{self.entity}: {marks} do not rise"
 
     @property
     def addr_width(self) -> int:

@@ -6,7 +6,6 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Rounding, check_unsigned
 
 
@@ -41,15 +40,7 @@ class GradEqn(Block):
     rounding: Rounding
 
     def __post_init__(self) -> None:
-        for name, value in (
-            ("intercept_frac", self.intercept_frac),
-            ("out_fmt", self.out_fmt.frac),
-        ):
-            if value > self.product_frac:
-                raise InputError(
-                    f"grad_eqn: {name} has {value} fraction bits, expected at most "
-                    f"{self.product_frac}, those of the product"
-                )
+        assert max(self.intercept_frac, self.out_fmt.frac) <= self.product_frac, self.entity
 
     @property
     def product_frac(self) -> int:

@@ -119,20 +119,6 @@ class Horner:
 
 
 @dataclass(frozen=True)
-class PadeFormats:
-    """The binary points of the Pade activation, besides those of the two polynomials.
-
-    square_frac: Number of fraction bits that are kept of q**2.
-    dividend_frac: Number of fraction bits that are kept of q A(q).
-    reciprocal: Format of the regression's value d.
-    """
-
-    square_frac: int
-    dividend_frac: int
-    reciprocal: Fix
-
-
-@dataclass(frozen=True)
 class Pade(Compared):
     """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
 
@@ -147,6 +133,8 @@ class Pade(Compared):
     ratio: The polynomial (B(q) - rho) / rho; each step reduces the distance to the limit by this
         factor.
     start: 1 / rho in the format of d, which is the result of the first step.
+    square_frac, dividend_frac: Fraction bits that are kept of q**2, and of q A(q).
+    reciprocal: Format of d.
     rounding: How low bits are dropped, everywhere in the block.
 
     d saturates in its format, and the result saturates to 0 and to 1 - 2**-frac. So a regression
@@ -163,7 +151,9 @@ class Pade(Compared):
     numerator: Horner
     ratio: Horner
     start: int
-    formats: PadeFormats
+    square_frac: int
+    dividend_frac: int
+    reciprocal: Fix
     rounding: Rounding
 
     @property
@@ -188,17 +178,17 @@ class Pade(Compared):
     @property
     def square_shift(self) -> int:
         """Number of fraction bits dropped from the square."""
-        return 2 * self.in_fmt.frac - self.formats.square_frac
+        return 2 * self.in_fmt.frac - self.square_frac
 
     @property
     def dividend_shift(self) -> int:
         """Number of fraction bits dropped from q A(q)."""
-        return self.in_fmt.frac + self.numerator.out_frac - self.formats.dividend_frac
+        return self.in_fmt.frac + self.numerator.out_frac - self.dividend_frac
 
     @property
     def out_shift(self) -> int:
         """Number of fraction bits dropped from q A(q) d."""
-        return self.formats.dividend_frac + self.formats.reciprocal.frac - self.out_fmt.frac
+        return self.dividend_frac + self.reciprocal.frac - self.out_fmt.frac
 
     @property
     def last(self) -> int:
@@ -212,7 +202,7 @@ class Pade(Compared):
             ``numerator_bracket`` and ``numerator``, A(q); ``dividend``, q A(q).
         """
         square = cut(q * q, self.square_shift, self.rounding)
-        fracs = self.formats.square_frac, self.rounding
+        fracs = self.square_frac, self.rounding
         ratio_bracket, ratio = self.ratio.process(square, *fracs)
         numerator_bracket, numerator = self.numerator.process(square, *fracs)
         return {
@@ -240,7 +230,7 @@ class Pade(Compared):
 
     @property
     def limits(self) -> dict[str, tuple[int, int]]:
-        kept = self.formats.reciprocal
+        kept = self.reciprocal
         steps = {f"step {n}": (kept.low, kept.high) for n in range(2, self.iterations + 1)}
         return steps | {"result": (0, self.out_fmt.high)}
 
@@ -256,7 +246,7 @@ class Pade(Compared):
         ratio = requantise(found["ratio"], 0, kept, self.rounding, Overflow.WRAP)
         dividend = found["dividend"] & ((1 << self.dividend_width) - 1)
         d = np.full_like(mag, self.start)
-        limits, numbers = self.formats.reciprocal, {}
+        limits, numbers = self.reciprocal, {}
         for n in range(2, self.iterations + 1):
             numbers[f"step {n}"] = self.start - cut(d * ratio, self.ratio.out_frac, self.rounding)
             d = np.clip(numbers[f"step {n}"], limits.low, limits.high)
@@ -297,16 +287,16 @@ def pade_for(
         # Every input of a multiplier has 18 bits, because q**2 is below 16, the brackets and, from
         # rho = 3.87 on, (B - rho) / rho are below 1, A is below 4, q A is below 8, and d is below
         # 2.
-        formats = PadeFormats(width - 5, width - 4, Fix(width, width - 2))
+        square_frac, dividend_frac, reciprocal = width - 5, width - 4, Fix(width, width - 2)
         inner, ratio, a = width - 1, width - 1, width - 3
     else:
         # All numbers have the fraction bits of the signals, in words as wide as their values need.
         frac = precision.coeff_frac
-        formats = PadeFormats(frac, frac, Fix(width + 1, frac))
+        square_frac, dividend_frac, reciprocal = frac, frac, Fix(width + 1, frac)
         inner, ratio, a = frac, frac, frac
-    start = floor(2**formats.reciprocal.frac / rho + 0.5)
-    if start > formats.reciprocal.high or start < 1:
-        raise InputError(f"pade: rho = {rho:g}: 1 / rho does not fit {formats.reciprocal}")
+    start = floor(2**reciprocal.frac / rho + 0.5)
+    if start > reciprocal.high or start < 1:
+        raise InputError(f"pade: rho = {rho:g}: 1 / rho does not fit {reciprocal}")
     beyond = (end,) if end < top else ()
     return Pade(
         fmt,
@@ -317,7 +307,9 @@ def pade_for(
         _horner((1.0, *NUMERATOR), a, inner, width),
         _horner((1 / rho - 1, DENOMINATOR[0] / rho, DENOMINATOR[1] / rho), ratio, inner, width),
         start,
-        formats,
+        square_frac,
+        dividend_frac,
+        reciprocal,
         precision.rounding,
         variant=f"q{factor}c{len(beyond)}",
     )

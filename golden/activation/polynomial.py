@@ -35,25 +35,6 @@ def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float
 
 
 @dataclass(frozen=True)
-class PolynomialFormats:
-    """The binary points of the Polynomial activation.
-
-    quadratic, linear, constant: Formats of A_n2, A_n1 and A_n0.
-    square_frac: Number of fraction bits that are kept of the squared magnitude.
-    sum_frac: Fraction bits of the two products when they are added, and of the sum.
-    factor_frac: Binary point of the de-normalisation factor; below 0 for a factor with more bits
-        than fit.
-    """
-
-    quadratic: Fix
-    linear: Fix
-    constant: Fix
-    square_frac: int
-    sum_frac: int
-    factor_frac: int
-
-
-@dataclass(frozen=True)
 class Polynomial(Compared):
     """r = tanh(Q qbar), approximated by two quadratics (thesis section 4.5.2.3.2, Figure 4.19).
 
@@ -64,6 +45,10 @@ class Polynomial(Compared):
         out.
     coeffs: A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.
     factor: Code of the de-normalisation factor a_11 Q**2, unsigned; None where q is not normalised.
+    quadratic, linear, constant: Formats of A_n2, A_n1 and A_n0.
+    square_frac: Number of fraction bits that are kept of the squared magnitude.
+    sum_frac: Fraction bits of the two products when they are added, and of the sum.
+    factor_frac: Binary point of the factor; below 0 for a factor with more bits than fit.
     rounding: How low bits are dropped after the square, after each product, and at the end.
 
     The result saturates to 0 and to 1 - 2**-frac. So it is never negative, although the first
@@ -77,13 +62,18 @@ class Polynomial(Compared):
     thresholds: tuple[int, ...]
     coeffs: tuple[tuple[int, int, int], ...]
     factor: int | None
-    formats: PolynomialFormats
+    quadratic: Fix
+    linear: Fix
+    constant: Fix
+    square_frac: int
+    sum_frac: int
+    factor_frac: int
     rounding: Rounding
 
     @property
     def square_shift(self) -> int:
         """Number of fraction bits dropped from the square."""
-        return 2 * self.in_fmt.frac - self.formats.square_frac
+        return 2 * self.in_fmt.frac - self.square_frac
 
     @property
     def square_width(self) -> int:
@@ -94,23 +84,23 @@ class Polynomial(Compared):
     @property
     def quadratic_shift(self) -> int:
         """Number of fraction bits dropped from A_n2 times the square."""
-        return self.formats.quadratic.frac + self.formats.square_frac - self.formats.sum_frac
+        return self.quadratic.frac + self.square_frac - self.sum_frac
 
     @property
     def linear_shift(self) -> int:
         """Number of fraction bits dropped from A_n1 times the magnitude."""
-        return self.formats.linear.frac + self.in_fmt.frac - self.formats.sum_frac
+        return self.linear.frac + self.in_fmt.frac - self.sum_frac
 
     @property
     def constant_shift(self) -> int:
         """Places by which A_n0 is shifted left, to the sum's binary point."""
-        return self.formats.sum_frac - self.formats.constant.frac
+        return self.sum_frac - self.constant.frac
 
     @property
     def out_shift(self) -> int:
         """Number of fraction bits dropped from the sum to get the result."""
-        shift = self.formats.sum_frac - self.out_fmt.frac
-        return shift if self.factor is None else shift + self.formats.factor_frac
+        shift = self.sum_frac - self.out_fmt.frac
+        return shift if self.factor is None else shift + self.factor_frac
 
     @property
     def saturates(self) -> bool:
@@ -218,38 +208,31 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
             p for p in range(-width, width) if nearest(ldexp(denormalise, p)) < 1 << width
         )
         scale = nearest(ldexp(denormalise, factor_frac))
-        formats = PolynomialFormats(
-            Fix(width, frac),
-            Fix(width, frac + extra),
-            Fix(width, sum_frac),
-            # The square of a magnitude has no more fraction bits than this.
-            min(sum_frac, 2 * fmt.frac),
-            sum_frac,
-            factor_frac,
-        )
+        formats = Fix(width, frac), Fix(width, frac + extra), Fix(width, sum_frac)
+        # The square of a magnitude has no more fraction bits than this.
+        square_frac = min(sum_frac, 2 * fmt.frac)
     else:
-        values, scale = np.array(COEFFICIENTS), None
+        values, scale, factor_frac = np.array(COEFFICIENTS), None, 0
         quadratic, linear, constant = (Fix.largest_frac(width, column) for column in values.T)
+        formats = quadratic, linear, constant
         # The square of 3.5 fits in 17 bits, which one input of a MULT18X18 takes; no other number
         # is cut.
         square_frac = width - 1 - 4
         sum_frac = max(quadratic.frac + square_frac, linear.frac + fmt.frac)
-        formats = PolynomialFormats(quadratic, linear, constant, square_frac, sum_frac, 0)
     rows = min(len(thresholds) + 1, len(UPPER))
     # A_11 is 1 at Q = 1, which does not fit in Fix(14,13). It saturates, with an error of one LSB.
-    columns = [
-        f.quantise(column)[0][:rows]
-        for f, column in zip(
-            (formats.quadratic, formats.linear, formats.constant), values.T, strict=True
-        )
-    ]
+    pairs = zip(formats, values.T, strict=True)
+    columns = [f.quantise(column)[0][:rows] for f, column in pairs]
     return Polynomial(
         fmt,
         SIGNAL,
         thresholds,
         tuple((int(a2), int(a1), int(a0)) for a2, a1, a0 in zip(*columns, strict=True)),
         scale,
-        formats,
+        *formats,
+        square_frac,
+        sum_frac,
+        factor_frac,
         precision.rounding,
         variant=f"q{factor}c{len(thresholds)}",
     )

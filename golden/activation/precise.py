@@ -9,7 +9,6 @@ from golden.activation.activation_block import ROM_WORDS, OddActivation
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
 from golden.activation.scheme import Option, Scheme, require_exact
 from golden.common.block import Block
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, SIGNAL, Precision
 from golden.trained.dense import tanh
@@ -50,11 +49,6 @@ class Precise(OddActivation):
     words: int
 
     def __post_init__(self) -> None:
-        if self.coefficients not in FORMATS:
-            raise InputError(
-                f"{self.entity}: got coefficients={self.coefficients!r}, expected one of "
-                f"{', '.join(FORMATS)}"
-            )
         self.check(words=(1, len(self.whole.intercepts)))
 
     @property

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, check_unsigned, real_texts
 
 
@@ -30,11 +29,7 @@ class Rom(Block):
     frac: int
 
     def __post_init__(self) -> None:
-        if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
-            raise InputError(
-                f"{self.block}: got words {self.words}, expected at least one, each 0 to "
-                f"{(1 << self.width) - 1}"
-            )
+        assert 0 <= min(self.words) <= max(self.words) < 1 << self.width, self.entity
 
     @property
     def addr_width(self) -> int:

@@ -12,8 +12,35 @@ from golden.engine.formats import WIDTH, WORD
 from golden.numbers.fixed import Codes
 
 
+class Tabled:
+    """Something with a table: the intercepts of all segments of its blocks, and then the slopes."""
+
+    table: tuple[int, ...]
+    blocks: int
+
+    @property
+    def segments(self) -> int:
+        """Segments of each block of the table."""
+        return len(self.table) // 2 // self.blocks
+
+    @property
+    def segment_bits(self) -> int:
+        """Bits of the number of a segment."""
+        return (self.segments - 1).bit_length() if self.table else 0
+
+    @property
+    def block_width(self) -> int:
+        """Bits of the number of a block."""
+        return (self.blocks - 1).bit_length()
+
+    @property
+    def row_width(self) -> int:
+        """Bits of the number of an intercept, or of a slope; one at least."""
+        return max(1, self.block_width + self.segment_bits)
+
+
 @dataclass(frozen=True)
-class LaneMemory(Block):
+class LaneMemory(Tabled, Block):
     """Words of 18 bits: weights at a place, or intercept or slope of the segment of a hidden sum.
 
     weights: Signed codes.
@@ -61,26 +88,6 @@ class LaneMemory(Block):
     def place_width(self) -> int:
         """Bits of the address of a weight."""
         return max(1, self.last_place.bit_length())
-
-    @property
-    def segments(self) -> int:
-        """Segments of each block of the table."""
-        return len(self.table) // 2 // self.blocks
-
-    @property
-    def segment_bits(self) -> int:
-        """Bits of the number of a segment."""
-        return (self.segments - 1).bit_length() if self.table else 0
-
-    @property
-    def block_width(self) -> int:
-        """Bits of the number of a block."""
-        return (self.blocks - 1).bit_length()
-
-    @property
-    def row_width(self) -> int:
-        """Bits of the number of an intercept, or of a slope; one at least."""
-        return max(1, self.block_width + self.segment_bits)
 
     @property
     def half_width(self) -> int:

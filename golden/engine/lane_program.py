@@ -22,7 +22,7 @@ from golden.engine.formats import (
 from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined, segments_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
-from golden.engine.lane_memory import block_of
+from golden.engine.lane_memory import Tabled, block_of
 from golden.engine.pipeline import LanePipeline
 from golden.engine.schedule import Step
 from golden.engine.tanh_table import LineTable
@@ -115,7 +115,7 @@ class LaneInstruction:
 
 
 @dataclass(frozen=True)
-class LaneProgram:
+class LaneProgram(Tabled):
     """The contents of the program memory, and of the memories of the lanes.
 
     inputs: Samples of a frame.
@@ -206,19 +206,6 @@ class LaneProgram:
         """Bits of the number of a row."""
         above = self.rows and not self.begin
         return self.row_width + 1 if above else self.counter_width
-
-    @property
-    def segments(self) -> int:
-        return len(self.table) // 2 // self.blocks
-
-    @property
-    def segment_bits(self) -> int:
-        return (self.segments - 1).bit_length() if self.table else 0
-
-    @property
-    def row_width(self) -> int:
-        """Bits of the number of a row of the table; one at least."""
-        return max(1, (self.blocks - 1).bit_length() + self.segment_bits)
 
     @cached_property
     def intercepts(self) -> Codes:

@@ -20,9 +20,7 @@ class ConverterInstrument(Scanned):
 
     def __post_init__(self) -> None:
         reader = self.converter_reader
-        self.check_frames(reader.inputs, reader.slots)
-        left = reader.scan_clocks - reader.slots
-        self.check_scan(reader.counter_width, reader.scan_clocks, left)
+        self.check_scan(reader, reader.scan_clocks - reader.slots)
 
     @property
     def interval(self) -> int:

@@ -10,6 +10,7 @@ from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
 from golden.networks.network import Around, Network
 from golden.numbers.precision import SIGNAL
+from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -20,24 +21,14 @@ class Scanned(Around):
     area = "instruments"
     readout: Readout = field(kw_only=True)
 
-    def check_frames(self, inputs: int, slots: int) -> None:
-        """Refuse scans whose frames are not those of the network.
-
-        inputs, slots: Number of sensors, and of elements of a frame.
-        """
-        got, expected = (inputs, slots), (self.inputs, self.readout.input_controller.inputs)
-        if got != expected:
-            raise InputError(
-                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
-            )
-
-    def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
+    def check_scan(self, scan: ScanSequencer | ConverterReader, left: int) -> None:
         """Refuse scans that follow each other faster than the network accepts frames.
 
-        width: Bits of the scan's counter.
-        scan_clocks, left: Clocks from scan to scan, and from the last sample of one scan to the
-            first of the next.
+        left: Clocks from the last sample of one scan to the first of the next.
         """
+        taken = self.inputs, self.readout.input_controller.inputs
+        assert (scan.inputs, scan.slots) == taken, f"{self.entity}: the network takes {taken}"
+        width, scan_clocks = scan.counter_width, scan.scan_clocks
         if scan_clocks < self.readout.interval:
             raise InputError(
                 f"{self.entity}: got counter_width={width}, a scan of {scan_clocks} clocks, "
@@ -86,10 +77,8 @@ class Instrument(Scanned):
 
     def __post_init__(self) -> None:
         scan = self.scan_sequencer
-        self.check_frames(scan.inputs, scan.slots)
         samples = scan.sample_clocks
-        left = scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
-        self.check_scan(scan.counter_width, scan.scan_clocks, left)
+        self.check_scan(scan, scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1)
 
     @property
     def interval(self) -> int:

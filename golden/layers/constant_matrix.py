@@ -80,29 +80,15 @@ class ConstantMatrix(Block):
     search_runs: int = 0
 
     def __post_init__(self) -> None:
-        if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
-            raise InputError(
-                f"{self.entity}: got {len(self.biases)} biases and rows of "
-                f"{[len(row) for row in self.weights]} weights, expected rows of one length and a "
-                "bias for each"
-            )
+        rows = len(self.weights)
+        assert {len(row) for row in self.weights} == {self.inputs}, self.entity
+        assert len(self.biases) == rows == len(self.row_finishes), self.entity
+        assert len(self.sample_ends) == self.inputs, self.entity
         from_0 = (0, None)
         self.check(out_shift=from_0, guard=from_0, adders_per_clock=(1, None), search_runs=from_0)
         self.check(adder_operands=(2, 3))
-        for name, count, expected in (
-            ("finishes", len(self.finishes), len(self.weights)),
-            ("in_ends", len(self.in_ends), self.inputs),
-        ):
-            if count not in (0, expected):
-                raise InputError(f"{self.entity}: got {count} {name}, expected {expected} or none")
-        outside = [
-            e for e in self.in_ends if not self.in_fmt.low <= e[0] <= e[1] <= self.in_fmt.high
-        ]
-        if outside:
-            raise InputError(
-                f"{self.entity}: got in_ends {outside[0]}, expected codes of {self.in_fmt}, the "
-                "least first"
-            )
+        low, high = self.in_fmt.low, self.in_fmt.high
+        assert all(low <= least <= most <= high for least, most in self.sample_ends), self.entity
         width = max(map(signed_width, self.sum_ends))
         if width > _MOST_WIDTH:
             raise InputError(

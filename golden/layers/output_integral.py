@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.port import CLOCKED, Port, Unsigned, group, input_port, output_port
-from golden.input_error import InputError
 from golden.layers.weighted_sum import RowSums, tree_depth
 from golden.numbers.fixed import Codes, Overflow, Rounding, requantise, signed_width
 
@@ -30,12 +29,8 @@ class OutputIntegral(RowSums):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.factors is not None and (
-            len(self.factors) != self.outputs or min(self.factors) < 1
-        ):
-            raise InputError(
-                f"{self.entity}: got factors {self.factors}, expected {self.outputs} of 1 or more"
-            )
+        assert len(self.row_factors) == self.outputs, self.entity
+        assert min(self.row_factors) > 0, self.entity
 
     @property
     def addr_width(self) -> int:

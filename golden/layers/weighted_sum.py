@@ -122,11 +122,7 @@ class WeightedSum(Block):
     product_shift: int
 
     def __post_init__(self) -> None:
-        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
-            raise InputError(
-                f"{self.entity}: the sum has {self.acc_frac} fraction bits, expected at least "
-                f"those of {self.out_fmt} and {self.coeff_fmt}"
-            )
+        assert self.acc_frac >= max(self.out_fmt.frac, self.coeff_fmt.frac), self.entity
 
     @property
     def acc_frac(self) -> int:

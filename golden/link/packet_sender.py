@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.layers.argmax import Argmax
 from golden.link.packets import COUNT_BYTES, FLAGS, STATES, Frame, FrameLayout
 from golden.numbers.fixed import Codes
@@ -72,8 +71,7 @@ class PacketSender(Block):
     def __post_init__(self) -> None:
         self.check(inputs=(1, MOST_POINTS), outputs=(1, MOST_POINTS), points=(0, MOST_POINTS))
         self.check(patience=(2, MOST_PATIENCE), elements=(0, MOST_POINTS))
-        if self.reload and self.learns:
-            raise InputError(f"{self.entity}: got reload and learns, expected one of them")
+        assert not (self.reload and self.learns), self.entity
         _ = self.layout, self.argmax
 
     @property

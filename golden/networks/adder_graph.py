@@ -67,21 +67,12 @@ class AdderGraph(AtOnce):
     ranges: tuple[Range, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        if len(self.layers) != len(self.activations) + 1:
-            raise InputError(
-                f"{self.entity}: got {len(self.layers)} layers and activations of "
-                f"{len(self.activations)}, expected those of all layers but the last"
-            )
         _ = self.argmax
-        for matrix, tables, after in zip(
-            self.layers, self.activations, self.layers[1:], strict=False
-        ):
+        hidden = zip(self.layers[:-1], self.activations, self.layers[1:], strict=True)
+        for matrix, tables, after in hidden:
             rows = len(matrix.weights)
-            if after.inputs != rows or len(tables) not in (0, rows):
-                raise InputError(
-                    f"{self.entity}: got {rows} hidden sums, {len(tables)} activations and "
-                    f"{after.inputs} weights per row behind them, expected equal numbers"
-                )
+            assert after.inputs == rows, self.entity
+            assert len(tables) in (0, rows), self.entity
 
     @classmethod
     def build(

@@ -146,14 +146,6 @@ class Design(Network):
                     f"{cls.block}: got {got} {name} of a {shape} network, expected {most} at most"
                 )
 
-    def check_latencies(self, activations: Sequence[ActivationBlock]) -> None:
-        """All activations must answer in the same clock."""
-        clocks = sorted({activation.latency for activation in activations})
-        if len(clocks) > 1:
-            raise InputError(
-                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
-            )
-
     @classmethod
     def build(
         cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str

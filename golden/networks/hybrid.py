@@ -9,7 +9,6 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Wire, WithController
-from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
@@ -38,12 +37,8 @@ class Hybrid(Design):
 
     def __post_init__(self) -> None:
         hidden = self.input_integral.hidden
-        if not hidden == len(self.activations) == self.output_integral.hidden:
-            raise InputError(
-                f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
-                f"{self.output_integral.hidden} weights per output, expected equal numbers"
-            )
-        self.check_latencies(self.activations)
+        assert hidden == len(self.activations) == self.output_integral.hidden, self.entity
+        assert len({activation.latency for activation in self.activations}) == 1, self.entity
 
     @classmethod
     def build(

@@ -65,11 +65,8 @@ class Several(Network):
     def __post_init__(self) -> None:
         shapes = [(network.inputs, network.outputs) for network in self.networks]
         expected = [(self.inputs + self.chained * n, 1) for n in range(len(shapes))]
-        if len(shapes) < 2 or shapes != expected:
-            raise InputError(
-                f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected two or more: "
-                f"{expected}"
-            )
+        assert len(shapes) > 1, self.entity
+        assert shapes == expected, f"{self.entity}: {shapes} is not {expected}"
 
     @property
     def inputs(self) -> int:

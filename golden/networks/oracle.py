@@ -4,7 +4,7 @@ Nothing here is shared, folded or cut as it is in hardware, so the two can be co
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, singledispatch
 
 import numpy as np
@@ -33,23 +33,30 @@ from golden.trained.function import Function
 
 
 def two_layer_bounds(
-    mlp: DenseNetwork, precision: Precision, activations: Sequence[ActivationBlock]
+    mlp: DenseNetwork,
+    precision: Precision,
+    activations: Sequence[ActivationBlock],
+    off: Callable[[int, Dense, Layer], Real],
 ) -> Real:
     """The bound of the error of each output.
 
     Saturation increases no difference between two values, and tanh has no slope above 1. So the
-    bound of y is the error of rounding in layer 2, plus ``|w2|`` times the error of r, which comes
-    from the activation and from the rounding of q. The weights of a node that is not built are
-    rounded to 0, so it is part of the error of rounding alone.
+    bound of y is the error of the sums in layer 2, plus ``|w2|`` times the error of r, which comes
+    from the activation and from the sum q. The weights of a node that is not built are rounded to
+    0, so it is part of the error of rounding alone.
+
+    off: How far the sums of a layer are from real ones, for the number of the layer, its real
+        weights and its codes.
     """
+    hidden, outputs = mlp.layers
     first, second = layers_in_codes(mlp, precision)
     built = built_nodes(second, len(activations))
-    q_off = _rounded(mlp.layers[0], first, precision, precision.hidden_fmt.frac)
-    r_off = q_off[built] + [
-        activation_error(a, first.factors[j]) for a, j in zip(activations, built, strict=True)
-    ]
-    result: Real = _rounded(mlp.layers[1], second, precision, SIGNAL.frac)
-    return result + np.abs(mlp.layers[1].weights[:, built]) @ r_off
+    hidden = replace(hidden, weights=hidden.weights[built], biases=hidden.biases[built])
+    first = first.of_neurons(built)
+    pairs = zip(activations, first.factors, strict=True)
+    r_off = off(0, hidden, first) + [activation_error(*pair) for pair in pairs]
+    result: Real = off(1, outputs, second) + np.abs(outputs.weights[:, built]) @ r_off
+    return result
 
 
 def built_nodes(second: Layer, count: int) -> list[int]:
@@ -342,7 +349,13 @@ def error_bounds(
     met: Where the ranges of layers are from the data; see ``golden.engine.quantise.planned``.
     """
     assert mlp.plain
-    return two_layer_bounds(mlp, precision, exact_layers(design).activations)
+    fracs = precision.hidden_fmt.frac, SIGNAL.frac
+    return two_layer_bounds(
+        mlp,
+        precision,
+        exact_layers(design).activations,
+        lambda n, real, codes: _rounded(real, codes, precision, fracs[n]),
+    )
 
 
 @error_bounds.register
@@ -366,24 +379,19 @@ def _(
 ) -> Real:
     if not mlp.plain:
         return layered_bounds(mlp, design.layers, design.activations, met)
-    # ConstantMatrix.errors is the part of the error that comes from dropped bits.
-    first, second = layers_in_codes(mlp, precision)
-    (hidden, outputs), (activations,) = design.layers, design.activations
-    built = built_nodes(second, len(activations))
-    q_off = _off(mlp.layers[0], first, built, hidden)
-    r_off = q_off + [activation_error(a, 1) for a in activations]
-    y_off = _off(mlp.layers[1], second, range(len(second.biases)), outputs)
-    result: Real = y_off + np.abs(mlp.layers[1].weights[:, built]) @ r_off
-    return result
+    (activations,) = design.activations
+    return two_layer_bounds(
+        mlp, precision, activations, lambda n, real, codes: _off(real, codes, design.layers[n])
+    )
 
 
-def _off(real: Dense, layer: Layer, built: Sequence[int], matrix: ConstantMatrix) -> Real:
-    """How far results of neurons that are built are from real sums, with samples up to 1.
+def _off(real: Dense, layer: Layer, matrix: ConstantMatrix) -> Real:
+    """How far each result can be from the real sum of samples of magnitude 1 at most.
 
     The error has three parts: the rounding of weights and bias; the bits that are dropped in the
     sum, with one unit more for the halves that its constant loses; and half a step of the result.
     """
-    rounding = _coefficients_off(real, layer)[built]
+    rounding = _coefficients_off(real, layer)
     units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
     step = 2.0**-matrix.out_fmt.frac
     result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step

@@ -10,7 +10,6 @@ from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Wire
 from golden.common.port import CLOCK, Port, group, input_port, output_port
-from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.weighted_sum import NodeSum, tree_depth
 from golden.networks.constants import Layer, constants_of
@@ -84,20 +83,14 @@ class Parallel(Design):
     output_neurons: tuple[Neuron, ...]
 
     def __post_init__(self) -> None:
-        hidden = len(self.hidden_neurons)
-        per_output = {len(neuron.weights) for neuron in self.output_neurons}
-        if not {hidden} == {len(self.activations)} == per_output:
-            raise InputError(
-                f"{self.entity}: got {hidden} hidden neurons, {len(self.activations)} activations "
-                f"and {sorted(per_output)} weights per output, expected equal numbers"
-            )
-        if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
-            raise InputError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
-        self.check_latencies(self.activations)
-        # All outputs must leave in one clock, so either all have the multiplier of a factor or
-        # none.
-        if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
-            raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
+        hidden, outputs = self.hidden_neurons, self.output_neurons
+        assert {len(neuron.weights) for neuron in hidden} == {self.inputs}, self.entity
+        assert {len(neuron.weights) for neuron in outputs} == {len(hidden)}, self.entity
+        assert len(self.activations) == len(hidden), self.entity
+        # All values of a frame stand in one clock, so either all outputs have the multiplier of a
+        # factor or none.
+        for row in (hidden, self.activations, outputs):
+            assert len({block.latency for block in row}) == 1, self.entity
 
     @classmethod
     def build(

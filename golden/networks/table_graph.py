@@ -84,11 +84,8 @@ class TableGraph(AtOnce):
             (self.first, self.hidden, self.samples),
             (self.second, self.output, len(self.hidden.weights)),
         ):
-            if len(tables) != matrix.inputs or any(t.source >= words for t in tables):
-                raise InputError(
-                    f"{self.entity}: got {len(tables)} tables of {words} words, expected "
-                    f"{matrix.inputs}, as many as {matrix.entity} adds up"
-                )
+            assert len(tables) == matrix.inputs, self.entity
+            assert all(table.source < words for table in tables), self.entity
 
     @classmethod
     def build(

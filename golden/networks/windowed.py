@@ -26,12 +26,7 @@ class Windowed(Around):
     window: Window
 
     def __post_init__(self) -> None:
-        taps = len(self.window.taps)
-        if self.network.inputs != taps:
-            raise InputError(
-                f"{self.entity}: got a network of {self.network.inputs} inputs, expected {taps}, "
-                "the samples of the window"
-            )
+        assert self.network.inputs == len(self.window.taps), self.entity
         if self.network.stream != "serial" or self.network.image or self.network.past:
             raise InputError(
                 f"{self.entity}: got {self.network.entity}, expected a network that takes a stream "

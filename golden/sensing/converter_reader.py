@@ -60,11 +60,7 @@ class ConverterReader(Scan):
                 f"{self.entity}: got {self.inputs} sensors, expected 1 to {self.part.channels}, "
                 f"the channels of {part}"
             )
-        if self.slots < self.inputs:
-            raise InputError(
-                f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
-                "inputs <= slots"
-            )
+        assert self.inputs <= self.slots, self.entity
         slowest = Fraction(2 * self.part.slowest_khz, 1000)
         if self.clock < slowest:
             raise InputError(

@@ -82,11 +82,7 @@ class ScanSequencer(Scan):
     pause: int = 0
 
     def __post_init__(self) -> None:
-        if not 1 <= self.inputs <= self.slots:
-            raise InputError(
-                f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
-                "1 <= inputs <= slots"
-            )
+        assert 1 <= self.inputs <= self.slots, self.entity
         least = self.slot_width + 1
         if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
             raise InputError(

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.border import Border, border_among
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, check_unsigned
 
 
@@ -47,15 +46,7 @@ class Divider(Block):
     out_frac: int
 
     def __post_init__(self) -> None:
-        if self.gain < 1 or not 0 <= self.gain_frac <= self.out_frac:
-            raise InputError(
-                f"divider: gain={self.gain} with {self.gain_frac} fraction bits, expected above 0 "
-                f"with 0 to {self.out_frac}"
-            )
-        if self.out_width <= self.out_frac:
-            raise InputError(
-                f"divider: out_width={self.out_width}, expected above out_frac={self.out_frac}"
-            )
+        self.check(gain=(1, None), gain_frac=(0, self.out_frac), out_frac=(0, self.out_width - 1))
 
     @property
     def interval(self) -> int:

@@ -43,12 +43,7 @@ class PowerFold(Block):
     max_power: int
 
     def __post_init__(self) -> None:
-        if not 0 <= self.out_frac <= self.in_frac or self.out_frac >= self.out_width:
-            raise InputError(
-                f"power_fold: out_frac={self.out_frac}, expected 0 to {self.in_frac}, those of t, "
-                f"and below out_width={self.out_width}"
-            )
-        self.check(max_power=(2, None))
+        self.check(out_frac=(0, min(self.in_frac, self.out_width - 1)), max_power=(2, None))
 
     @property
     def interval(self) -> int:

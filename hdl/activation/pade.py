@@ -133,7 +133,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     ABS 1, de-normalisation 1, square 1, the two polynomials 2, q A and first step 1, the other
     steps, quotient 1, sign retriever 1. Reset clears the valid flags and the count of the steps.
     """
-    formats, rounding = spec.formats, spec.rounding
+    rounding = spec.rounding
     iterations = spec.iterations
     mag_width, q_width = spec.abs_unit.mag_width, spec.q_width
     high = spec.out_fmt.high
@@ -156,7 +156,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     exact_held = signed(len(exact_dividend))
     all_dividend = signed(len(exact_dividend) + 1 - spec.dividend_shift)
     dividend = signed(spec.dividend_width + 1)
-    reciprocal = signed(formats.reciprocal.width)
+    reciprocal = signed(spec.reciprocal.width)
     quotient = signed(len(dividend) + len(reciprocal))
     quotient_held = signed(len(quotient))
     kept = signed(len(quotient) + 1 - spec.out_shift)
@@ -209,7 +209,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             all_ratio,
             constants=spec.ratio,
             bracket_width=widths["ratio_bracket"],
-            square_frac=formats.square_frac,
+            square_frac=spec.square_frac,
             rounding=rounding,
         ),
         low_signed(all_ratio, ratio_start),
@@ -219,7 +219,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             numerator,
             constants=spec.numerator,
             bracket_width=widths["numerator_bracket"],
-            square_frac=formats.square_frac,
+            square_frac=spec.square_frac,
             rounding=rounding,
         ),
         delay(clk, None, q, late_q, clocks=3),

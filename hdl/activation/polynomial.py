@@ -71,7 +71,6 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     bank and square 1, products 1, sum 1, de-normalisation 1 where there is any, sign retriever 1.
     One result a clock. Reset clears the valid flags.
     """
-    formats = spec.formats
     mag_width = spec.abs_unit.mag_width
     rows = len(spec.coeffs)
     high = spec.out_fmt.high
@@ -84,9 +83,9 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     square = unsigned(spec.square_width)
     # A product has the bits of operand and constant, each with a sign, and one bit for the carry of
     # the rounding.
-    quadratic = signed(spec.square_width + 1 + formats.quadratic.width + 1 - spec.quadratic_shift)
-    linear = signed(mag_width + 1 + formats.linear.width + 1 - spec.linear_shift)
-    aligned = signed(formats.constant.width + spec.constant_shift)
+    quadratic = signed(spec.square_width + 1 + spec.quadratic.width + 1 - spec.quadratic_shift)
+    linear = signed(mag_width + 1 + spec.linear.width + 1 - spec.linear_shift)
+    aligned = signed(spec.constant.width + spec.constant_shift)
     products = signed(max(len(quadratic), len(linear)) + 1)
     # The twin derives this width from the ends of all terms.
     total = signed(spec.sum_width)
@@ -140,7 +139,7 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
             square,
             quadratic,
             words=a2,
-            fmt=formats.quadratic,
+            fmt=spec.quadratic,
             shift=spec.quadratic_shift,
             rounding=spec.rounding,
         ),
@@ -150,11 +149,11 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
             late_mag,
             linear,
             words=a1,
-            fmt=formats.linear,
+            fmt=spec.linear,
             shift=spec.linear_shift,
             rounding=spec.rounding,
         ),
-        offset(clk, segment, aligned, words=a0, fmt=formats.constant, shift=spec.constant_shift),
+        offset(clk, segment, aligned, words=a0, fmt=spec.constant, shift=spec.constant_shift),
         ops.add(quadratic, linear, products),
         add_constant,
         denormalise,
