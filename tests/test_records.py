@@ -288,10 +288,6 @@ CODES = range(SMALL.low, SMALL.high + 1)
 WEIGHT = st.integers(-15, 15)
 
 
-def ends_of(fmt: Fix, weights) -> tuple[tuple[int, int], ...]:
-    return ((fmt.low, fmt.high),) * len(weights)
-
-
 def total(weights: list[int], frame, start: int, shift: int) -> int:
     return start + sum((w * int(x)) >> shift for w, x in zip(weights, frame, strict=True))
 
@@ -307,7 +303,7 @@ def test_of_two_weights_none_is_closer(weights, start, shift, target, above) -> 
     sums = [total(weights, frame, start, shift) for frame in product(CODES, repeat=len(weights))]
     side = [s for s in sums if (s >= target if above else s <= target)]
     row = np.array(weights)
-    found = closest(ends_of(SMALL, row), row, start, shift, target, above, np.random.default_rng(0))
+    found = closest(SMALL, row, start, shift, target, above, np.random.default_rng(0))
     if not any(weights):
         return
     if not side:

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.border import Border
 from golden.input_error import InputError
-from golden.layers.shift_add import Ends
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
 
 # How often all samples but two are chosen at random. Each choice leaves 2**28 pairs for the other
@@ -18,8 +17,8 @@ CHOICES = 400
 
 
 def closest(
-    ends: Ends,
-    weights: Codes,
+    fmt: Fix,
+    row: Codes,
     start: int,
     shift: int,
     target: int,
@@ -32,7 +31,7 @@ def closest(
     varies two samples at a time and tries all of their pairs; it ends early at a sum that cannot be
     improved.
 
-    ends: For each sample its least and its largest value.
+    fmt: Format of the samples.
     start: Number to which the products are added.
     shift: Number of low bits that are dropped from each product.
     above: Whether the sum must be ``target`` or more; otherwise it must be ``target`` or less.
@@ -40,21 +39,19 @@ def closest(
 
     Returns: None where the search finds no sum on that side.
     """
-    row = np.asarray(weights, dtype=np.int64)
-    places = np.flatnonzero(row)
+    places, codes = np.flatnonzero(row), np.arange(fmt.low, fmt.high + 1)
     # Products without dropped bits differ by multiples of this step, so no sum is closer than
     # ``least``.
     step = 1 if shift else max(1, int(np.gcd.reduce(row)))
     least = (start - target if above else target - start) % step
     best, found = None, None
     for _ in range(CHOICES if len(places) > 2 else 1):
-        frame = _others(ends, row, start, shift, target, rng)
+        frame = _others(fmt, row, start, shift, target, rng)
         pair = rng.choice(places, min(2, len(places)), replace=False)
         frame[pair] = 0
         need = target - start - int(((row * frame) >> shift).sum())
-        codes = [np.arange(ends[k][0], ends[k][1] + 1) for k in pair]
         first, second = (
-            ((row[pair[n]] * codes[n]) >> shift if len(pair) > n else np.zeros(1, dtype=np.int64))
+            ((row[pair[n]] * codes) >> shift if len(pair) > n else np.zeros(1, dtype=np.int64))
             for n in (1, 0)
         )
         gap, at_first, at_second = _closest_pair(first, second, need, above, rng)
@@ -63,7 +60,7 @@ def closest(
         best, found = gap, frame
         for n, at in ((1, at_first), (0, at_second)):
             if len(pair) > n:
-                found[pair[n]] = codes[n][at]
+                found[pair[n]] = codes[at]
         if best == least:
             break
     return found
@@ -93,16 +90,14 @@ def _closest_pair(
 
 
 def _others(
-    ends: Ends, row: Codes, start: int, shift: int, target: int, rng: np.random.Generator
+    fmt: Fix, row: Codes, start: int, shift: int, target: int, rng: np.random.Generator
 ) -> Codes:
-    """Random samples that are about as far from the middle of their ends as the target requires."""
-    low, high = np.array(ends, dtype=np.float64).T
-    middle, half = (low + high + 1) / 2, (high - low + 1) / 2
-    span = max(1.0, float((np.abs(row) * half).sum()) / 2**shift)
-    part = float(np.clip((target - start - (row * middle).sum() / 2**shift) / span, -1, 1))
+    """Random samples that are about as far from 0 as the target requires."""
+    span = max(1.0, float(np.abs(row).sum() * -fmt.low) / 2**shift)
+    part = float(np.clip((target - start) / span, -1, 1))
     noise = rng.uniform(-1, 1, len(row)) * (1 - abs(part))
-    real = middle + (part * np.sign(row) + noise) * half
-    found: Codes = np.clip(np.round(real), low, high).astype(np.int64)
+    real = (part * np.sign(row) + noise) * -fmt.low
+    found: Codes = np.clip(np.round(real), fmt.low, fmt.high).astype(np.int64)
     return found
 
 
@@ -198,8 +193,8 @@ class WeightedSum(Block):
         self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
     ) -> Codes | None:
         """Search samples whose sum is closest to ``target``; see ``closest``."""
-        ends = ((self.in_fmt.low, self.in_fmt.high),) * len(row)
-        return closest(ends, row, start, self.product_shift, target, above, rng)
+        weights = np.asarray(row, dtype=np.int64)
+        return closest(self.in_fmt, weights, start, self.product_shift, target, above, rng)
 
     def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
         """Exact sums, shape (..., rows), of checked samples, shape (..., inputs).
