@@ -65,7 +65,7 @@ def random_frames(bench, count):
 
 
 def suite(module: str, close: bool = False):
-    """The tests of a network, in the order of their names: see below.
+    """The tests of a network, in the order in which they stand here.
 
     module: The name of the bench.
     close: Whether frames may come closer than the design takes them, which must vanish.

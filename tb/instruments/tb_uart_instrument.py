@@ -23,8 +23,7 @@ from tb.common.case_library import cases
 from tb.common.framing import check_outputs
 from tb.common.loading import computed
 from tb.common.network import recorded_frames
-from tb.sensing.spi_converter import Converter
-from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, random_voltages
+from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, listen, random_voltages
 
 CASES = cases("uarts", "winner-uart")
 # An instrument that learns takes lessons from the line.
@@ -119,33 +118,6 @@ def noise_and_lessons(bench, count):
         line.send(packet)
         line.idle(int(rng.integers(0, 4) * twin.interval))
     return line.levels
-
-
-async def answered(bench, reader, resets, rx, watch, convert, fault):
-    """Play the block once, with a converter that sees the same wires in each scan."""
-    scan = reader.scan_clocks
-    short = np.zeros(2 * scan, dtype=np.int64)
-    drive = {"miso": short, "rst": short} | ({} if rx is None else {"rx": 1 - short})
-    asked = await bench.play(drive, PINS)
-    # These are the wires of the second scan, which all later scans repeat.
-    rows = np.arange(RESET_CLOCKS + scan, asked.clocks)
-    tile = {name: np.array([int(b == "1") for b in asked.columns[name]])[rows] for name in PINS}
-    marks = np.concatenate([np.ones(RESET_CLOCKS, dtype=bool), np.asarray(resets) == 1])
-    at = np.arange(len(marks))
-    before = np.maximum.accumulate(np.where(marks, at, 0))
-    before = np.concatenate([[0], before[:-1]])
-    wires = {name: tile[name][(at - before - 1) % scan] for name in PINS}
-    converter = Converter(reader.part.name, reader.clock_mhz, bench.rng)
-    miso, transfers = converter.answer(wires, marks, RESET_CLOCKS, convert, fault)
-    assert converter.checked, "no limit was looked at"
-    drive = {"rst": resets, "miso": miso[RESET_CLOCKS:]} | ({} if rx is None else {"rx": rx})
-    recording = await bench.play(drive, watch)
-    every = at[RESET_CLOCKS:]
-    for name in PINS:
-        rows = every if name != "mosi" else every[wires["cs_n"][every] == 0]
-        got = recording.unsigned(name, rows)
-        bench.compare(name, got, wires[name][rows], clock=rows)
-    return recording, transfers
 
 
 def samples_of(bench, recording, timeline, transfers, voltages):
@@ -276,7 +248,7 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
     dac = ["dac_x", "dac_y"] if twin.analogue else []
     watch = [*PINS, "tx", *dac, "converter_error", "out_valid", "out_data", "out_last"]
     watch += readout.ports(shown)
-    recording, transfers = await answered(bench, reader, resets, rx, watch, voltages.convert, fault)
+    recording, transfers = await listen(bench, reader, resets, watch, voltages.convert, fault, rx)
     timeline = Timeline(reader, recording)
     check_error(bench, reader, recording, timeline)
     samples, seen, ends = samples_of(bench, recording, timeline, transfers, voltages)

@@ -1,7 +1,8 @@
 """converter_reader against its twin, with a model of the part on its wires.
 
 Random codes, recorded voltages, each bit that shows the presence of a converter wrong in each turn,
-and resets in each bit of a transfer and about its end. The model judges every limit of the timing.
+and resets in each bit of a transfer. The model judges every limit of the timing. What a reset about
+the end of a transfer does, and while samples leave, is proved.
 """
 
 import cocotb
@@ -195,32 +196,6 @@ async def resets(dut):
     bits = (since - twin.read_clocks[0, 0]) // (2 * twin.half_clocks)
     state = State("bit of a transfer that a reset cuts", range(part.clocks + 1))
     bench.visit(state, bits)
-    bench.finish(at_least=twin.slots)
-
-
-@cocotb.test()
-async def resets_about_an_end(dut):
-    """A reset in each clock about the end of a wrong transfer, and while samples leave."""
-    bench = Bench(dut)
-    twin = bench.twin
-    first, last = int(twin.read_clocks[0, -1]), int(twin.read_clocks[-1, -1])
-    leaving = last + np.arange(twin.latency + twin.slots + 1)
-    most = max(3, MOST_CLOCKS // twin.scan_clocks)
-    if len(leaving) > most:
-        leaving = bench.rng.choice(leaving, most, replace=False)
-    drawn = random_codes(bench, 4000)
-    for rows, wrong in ((first + np.arange(-1, 3), 1), (leaving, None)):
-        # The scan begins in the clock after a reset.
-        at = np.cumsum(1 + rows) - 1
-        column = np.zeros(at[-1] + twin.scan_clocks + twin.slots + 5, dtype=np.int64)
-        column[at] = 1
-        await check(
-            bench,
-            0,
-            lambda channel, number: int(drawn[number % len(drawn)]),
-            resets=column,
-            fault=lambda number, wrong=wrong: wrong,
-        )
     bench.finish(at_least=twin.slots)
 
 
