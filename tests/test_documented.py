@@ -6,8 +6,6 @@ its variables on. Every run reads the guides and the datasheets, and resolves th
 builds the whole site, with a page for each package and each file that a guide links to.
 """
 
-import html
-import inspect
 import re
 import shlex
 import shutil
@@ -15,7 +13,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html.parser import HTMLParser
-from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -24,7 +21,7 @@ import numpy as np
 import pytest
 from refused import main_of
 from shared import Shared, run
-from test_census import BLOCKS, ROOT
+from test_census import ROOT
 from test_make import here
 
 from tactus.core.cli import run as run_main
@@ -316,18 +313,3 @@ def test_site_is_complete_and_every_link_leads_somewhere(shared: Shared) -> None
             content = path.read_bytes()
             assert str(ROOT).encode() not in content, path
             assert str(site.parent).encode() not in content, path
-    for area, block in BLOCKS:
-        has_ports_and_docstring(site, area, block)
-
-
-def has_ports_and_docstring(site: Path, area: str, block: str) -> None:
-    """A function with MyHDL's decorator still has its signature."""
-    text = (site / "api" / f"hdl.{area}.html").read_text(encoding="utf-8")
-    entry = re.search(rf'id="hdl\.{area}\.{block}\.{block}">(.*?)</dt>(.*?)</dd>', text, re.S)
-    assert entry, block
-    hardware = getattr(import_module(f"hdl.{area}.{block}"), block)
-    for name in inspect.signature(hardware).parameters:
-        assert f'<span class="pre">{name}</span>' in entry[1]
-    summary = html.unescape(re.sub("<.*?>", "", entry[2]))
-    first = (inspect.getdoc(hardware) or "").replace("`", "").split()
-    assert " ".join(first[:3]) in " ".join(summary.split())
