@@ -2,11 +2,13 @@
 
 import re
 import shutil
+import tomllib
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ from golden.numbers.precision import SIGNAL
 from tactus.core.table import write_table
 from tactus.network_files.network_file import read_provenance
 from tactus.recalibration.fit import fit, left_out, misses
-from tactus.recalibration.folder import now_read
+from tactus.recalibration.folder import _scene_text, now_read
 from tactus.recalibration.outlook import LEAST_PLACEMENTS, helps, plan, proposed
 from tactus.recalibration.sensitivity import (
     LEAST_FREE,
@@ -265,6 +267,39 @@ def test_the_copy_has_corrected_weights_and_says_so(tmp_path: Path, capsys) -> N
         SIGNAL.to_real(one.twin().core.process(one.vectors().codes)) for one in (scene, copy)
     )
     assert np.abs(ours - theirs).mean() < 5e-4
+
+
+OWN_NAMES = [
+    ("data.file = 'a/r.csv'\nnetwork.weights = \"a/w.mat\"", ("r.csv", "w.npz")),
+    (
+        "network = { weights = [ # two\n  'a/w.mat',\n'n.npz/y'] }\ndata.recordings=['a/r.csv']",
+        (["r.csv"], ["w.npz", "n.npz/y"]),
+    ),
+    (
+        "[data]\nsource = \"get 'a/r.csv'\"\nfile = 'a/r.csv' # 'a/r.csv'\n"
+        "[network]\nweights='n.npz'",
+        ("r.csv", "n.npz"),
+    ),
+    ("data.file = '''r.csv'''\nnetwork.weights = 'n.npz'", None),
+    ("data = { file = 'r.csv', source = \"get, 'r.csv'\" }\nnetwork.weights = 'n.npz'", None),
+]
+
+
+@pytest.mark.parametrize(("text", "names"), OWN_NAMES)
+def test_a_copy_names_its_own_files_and_is_otherwise_the_scene(
+    tmp_path: Path, text: str, names: tuple[object, object] | None
+) -> None:
+    scene = SimpleNamespace(path=tmp_path / "own.toml", name="own")
+    scene.path.write_text(text)
+    if names is None:
+        said = "own.toml: got data.file or network.weights in a form that cannot be replaced"
+        with pytest.raises(InputError, match=said):
+            _scene_text(scene, "new.csv")
+        return
+    wanted, found = tomllib.loads(text), tomllib.loads(_scene_text(scene, "r.csv"))
+    (key,) = {"file", "recordings"} & set(wanted["data"])
+    wanted["data"][key], wanted["network"]["weights"] = names
+    assert found == wanted
 
 
 def test_without_placements_some_are_proposed(capsys) -> None:

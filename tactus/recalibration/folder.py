@@ -162,14 +162,25 @@ def _scene_text(scene: Scene, data: str) -> str:
     given = raw["network"]["weights"]
     names = {name: str(_own(Path(name))) for name in listed(given)}
     weights = [names[name] for name in listed(given)] if isinstance(given, list) else names[given]
+    # One recording may also be a list of one.
+    key = "file" if "file" in raw["data"] else "recordings"
+    (recording,) = listed(raw["data"][key])
+    names[recording] = data
     wanted = raw | {
-        "data": raw["data"] | {"file": data},
+        "data": raw["data"] | {key: data if key == "file" else [data]},
         "network": raw["network"] | {"weights": weights},
     }
-    for old, new in {raw["data"]["file"]: data, **names}.items():
-        quoted = json.dumps(new, ensure_ascii=False).replace("\\", r"\\")
-        text = re.sub(rf"(['\"]){re.escape(old)}\1", quoted, text)
-    if tomllib.loads(text) != wanted:
+    # A name within another text, such as a command in data.source, stays.
+    text = re.sub(
+        rf"(?m)(^\s*|[=\[,]\s*)(['\"])({'|'.join(map(re.escape, names))})\2",
+        lambda match: match[1] + json.dumps(names[match[3]], ensure_ascii=False),
+        text,
+    )
+    try:
+        same = tomllib.loads(text) == wanted
+    except tomllib.TOMLDecodeError:
+        same = False
+    if not same:
         raise InputError(
             f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
             "expected each name between quotes, and nowhere else"
