@@ -412,6 +412,18 @@ def test_the_command_ends_with_what_it_saw(scene: Scene, tmp_path: Path, capfd) 
     assert f"of {rows} rows are outside" in capfd.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [("digit-board", "the simulated board is being loaded"), ("digit-learning", "twin, 1000000 b")],
+)
+def test_the_command_needs_no_board(name: str, first: str, capfd) -> None:
+    words = (name, "twin", "--seconds=0.1", "--drift=0.03,0.02", "--seed=4")
+    assert not call("monitor", *words)
+    begun, *_, counted = capfd.readouterr().out.splitlines()
+    assert begun.startswith(first)
+    assert re.fullmatch(r"[1-9]\d* packets, 0 missed, 0 damaged", counted)
+
+
 def test_the_layout_is_that_of_the_hardware(scene: Scene) -> None:
     assert Board(scene, scene).layout == FrameLayout(4, 4, drawn=True)
     with pytest.raises(

@@ -90,6 +90,16 @@ def test_a_board_that_sends_no_packet_is_told(
         loading.load(line, board)
 
 
+def test_a_board_that_does_not_hear_the_image_is_told(hardware: Scene, monkeypatch) -> None:
+    """It goes on sending packets."""
+    line = TwinBoard(hardware)
+    monkeypatch.setattr(line, "write", lambda data: None)
+    monkeypatch.setattr(line, "patience", 0.01)
+    said = "PORT=twin: the image was sent, but no new frame .* carry frame_error: is RX connected"
+    with pytest.raises(InputError, match=said):
+        loading.load(line, Board(hardware, hardware))
+
+
 def test_a_board_of_twins_may_send_less_than_a_packet_a_second(hardware: Scene) -> None:
     slow = replace(hardware, uart=replace(hardware.uart, baud=300, divisor=83333))
     line = open_line("twin", None, Board(slow, slow))

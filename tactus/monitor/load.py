@@ -1,6 +1,7 @@
 """``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
 import sys
+import time
 
 from golden.input_error import InputError
 from golden.link.packets import image_packet
@@ -44,19 +45,26 @@ def load(line: Line, board: Board) -> int:
     data = scene_image(board.scene, hardware_of(board.hardware)).to_bytes()
     line.write(image_packet(data))
     good = refused = 0
-    count = -1
+    count, last = -1, time.monotonic()
     for frame in frames_from(line, board):
         refused = refused + 1 if "image_error" in frame.flags else 0
         bad = {"image_error", "frame_error"} & set(frame.flags)
         # Packets also come when no new frame was computed.
         good = 0 if bad or frame.count == count else good + 1
         count = frame.count
+        last = time.monotonic() if good else last
         if good == SURE:
             break
         if refused == SURE:
             raise InputError(
                 f"PORT={line.label}: image_error: the board refused the image: it was cut or "
                 f"changed on its way, or the board is not the hardware of {board.hardware.path}"
+            )
+        if time.monotonic() - last > line.patience:
+            raise InputError(
+                f"PORT={line.label}: the image was sent, but no new frame came for "
+                f"{line.patience:g} s, and packets carry {', '.join(frame.flags) or 'no flag'}: is "
+                "RX connected, and does the board read its converter?"
             )
     return len(data)
 
