@@ -1,21 +1,28 @@
 """Tests whole networks: bit-true against float, extreme weights, figures of the thesis, AXI."""
 
+import ast
 import itertools
+from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from math import floor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.activation.bipartite import bipartite_for
 from golden.activation.gradient import Gradient
+from golden.activation.precise import precise_for
 from golden.activation.segments import gradient_real
 from golden.common.block import around, walk
 from golden.input_error import InputError
 from golden.instruments.block_inputs import seen
 from golden.layers.argmax import Argmax, ArgmaxTree
+from golden.layers.constant_matrix import Finish
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
@@ -25,9 +32,11 @@ from golden.networks.design import Settings
 from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
+from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.trained.dense import mlp_of
+from golden.trained.window import Window
 from tactus.errors import held_out_means
 from tactus.report.measure.networks import scenes
 from tactus.scene import Scene, load_scene, scene_names, thesis_figures
@@ -121,6 +130,134 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
         q = normalisation(first.weights, first.biases).max()
         bound = (y * 10 + np.abs(second.weights).sum(axis=1) * (8 * q + 130)) / 8192
     assert (np.abs(results - exact) <= bound).all()
+
+
+def one_input(neuron: Neuron) -> Neuron:
+    return replace(neuron, weights=neuron.weights[:1])
+
+
+def other_factor(neuron: Neuron) -> Neuron:
+    return replace(neuron, factor=None if neuron.factor else 2)
+
+
+# For a block of a scene, constants that do not go together, and how they are refused.
+MISMATCHES: list[tuple[str, str, Callable[[Any], dict[str, Any]], str]] = [
+    ("thesis", "comparator_bank", lambda b: {"thresholds": (5, 5)}, "thresholds .*5, 5.* rising"),
+    ("thesis", "comparator_bank", lambda b: {"thresholds": (-1, 5)}, "thresholds .*-1, 5.* 0 to"),
+    (
+        "thesis",
+        "comparator_bank",
+        lambda b: {"thresholds": ((1 << b.mag_width) - 1,)},
+        "from 0 to 8190, for a magnitude of 13 bits",
+    ),
+    ("thesis", "grad_eqn", lambda b: {"intercept_frac": 40}, "got 40 fraction bits of the inter"),
+    ("thesis", "grad_eqn", lambda b: {"out_fmt": Fix(14, 40)}, "got 40 fraction bits of the resu"),
+    ("thesis", "g_memory", lambda b: {"words": ()}, r"got words \(\), expected at least one"),
+    ("thesis", "g_memory", lambda b: {"words": (0, -1)}, "each 0 to"),
+    ("thesis", "g_memory", lambda b: {"words": (0, 1 << b.width)}, "each 0 to"),
+    ("thesis", "input_integral", lambda b: {"out_fmt": Fix(14, 40)}, "at least those of Fix.14,40"),
+    ("thesis", "output_integral", lambda b: {"factors": ()}, "got factors .., expected 1 of 1"),
+    ("thesis", "output_integral", lambda b: {"factors": (0,)}, "factors .0,., expected 1 of 1"),
+    ("thesis", "output_integral", lambda b: {"factors": (1, 2)}, "factors .1, 2., expected 1 of"),
+    ("thesis", "hybrid", lambda b: {"activations": b.activations[:-1]}, "nodes, .*equal numbers"),
+    (
+        "thesis",
+        "hybrid",
+        lambda b: {"activations": (precise_for(EXACT, 1, 1 << 17), *b.activations[1:])},
+        r"got activations of latencies \[.*, .*\], expected one latency",
+    ),
+    ("thesis", "cascade", lambda b: {"networks": b.networks[:1]}, "expected two or more"),
+    ("thesis", "cascade", lambda b: {"networks": b.networks[::-1]}, r"networks of \(inputs, out"),
+    ("thesis", "scan_sequencer", lambda b: {"inputs": 0}, "got inputs=0 and slots="),
+    ("thesis", "scan_sequencer", lambda b: {"slots": 3}, "inputs=4 and slots=3, expected 1 <= in"),
+    (
+        "thesis",
+        "instrument",
+        lambda b: {"scan_sequencer": replace(b.scan_sequencer, inputs=3)},
+        r"got a scan of \(inputs, slots\) \(3, .*, expected \(4, ",
+    ),
+    ("digit-parallel", "parallel", lambda b: {"activations": ()}, "0 activations and .* equal num"),
+    ("digit-parallel", "parallel", lambda b: {"output_neurons": ()}, "weights per output, expecte"),
+    (
+        "digit-parallel",
+        "parallel",
+        lambda b: {"hidden_neurons": (one_input(b.hidden_neurons[0]), *b.hidden_neurons[1:])},
+        r"got hidden neurons of \[1, \d+\] weights, expected equal",
+    ),
+    (
+        "digit-parallel",
+        "parallel",
+        lambda b: {"output_neurons": (other_factor(b.output_neurons[0]), *b.output_neurons)},
+        "got outputs of latencies .*, expected one latency",
+    ),
+    ("digit-fast", "adder_graph", lambda b: {"activations": ()}, "got 2 layers and activations of"),
+    (
+        "digit-fast",
+        "adder_graph",
+        lambda b: {"activations": (b.activations[0][:-1],)},
+        "hidden sums, .* weights per row behind them, expected equal numbers",
+    ),
+    ("digit-fast", "constant_matrix", lambda b: {"weights": ((1, 2), (3,))}, "rows of .2, 1. weig"),
+    ("digit-fast", "constant_matrix", lambda b: {"biases": ()}, "got 0 biases .* a bias for each"),
+    ("digit-fast", "constant_matrix", lambda b: {"finishes": (Finish(),) * 99}, "got 99 finishes"),
+    ("digit-fast", "constant_matrix", lambda b: {"in_ends": ((0, 1),) * 99}, "got 99 in_ends, exp"),
+    (
+        "digit-fast",
+        "constant_matrix",
+        lambda b: {"in_ends": ((3, 2),) * b.inputs},
+        r"got in_ends \(3, 2\), expected codes of .*, the least first",
+    ),
+    (
+        "digit-fast",
+        "bipartite_pair",
+        lambda b: {"activation": replace(b.activation, memory="logic")},
+        "got memory='logic', expected block_ram",
+    ),
+    (
+        "swing-window",
+        "windowed",
+        lambda b: {"window": Window(b.window.delays[:-1])},
+        "of the window",
+    ),
+    ("digit-board", "converter_reader", lambda b: {"slots": 3}, "expected inputs <= slots"),
+    ("digit-board", "packet_sender", lambda b: {"elements": 4}, "got reload and learns"),
+]
+
+
+@pytest.mark.parametrize(
+    ("made", "changed", "message"),
+    [
+        (bipartite_for, {"memory": "flash"}, "memory='flash', expected one of block_ram, logic"),
+        (
+            bipartite_for,
+            {"in_fmt": SIGNAL},
+            r"in_fmt=Fix\(14,13\) .* expected 14 fraction bits and",
+        ),
+        (precise_for, {"coefficients": "flash"}, "='flash', expected one of logic, block_ram"),
+    ],
+)
+def test_an_activation_refuses_what_its_tables_are_not_made_for(
+    made: Callable[..., Any], changed: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=f": got .*{message}"):
+        replace(made(EXACT, 1, 1 << 17), **changed)
+
+
+@pytest.mark.parametrize(("name", "block", "change", "message"), MISMATCHES)
+def test_constants_that_do_not_go_together_are_refused(
+    name: str, block: str, change: Callable[[Any], dict[str, Any]], message: str
+) -> None:
+    found = next(b for b in walk(load_scene(name).twin()) if b.block == block)
+    with pytest.raises(InputError, match=f"^{found.entity}: .*{message}"):
+        replace(found, **change(found))
+
+
+def test_no_twin_checks_its_constants_by_an_assertion() -> None:
+    """``python -O`` leaves assertions out, and wrong hardware would be built."""
+    for path in Path("golden").rglob("*.py"):
+        for made in ast.walk(ast.parse(path.read_text())):
+            if isinstance(made, ast.FunctionDef) and made.name == "__post_init__":
+                assert not any(isinstance(node, ast.Assert) for node in ast.walk(made)), path
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:

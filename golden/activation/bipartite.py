@@ -63,7 +63,13 @@ class Bipartite(ActivationBlock):
     reach_width: int
 
     def __post_init__(self) -> None:
-        assert (self.in_fmt.frac, self.out_fmt) == (EXACT.hidden_fmt.frac, RESULT), self.entity
+        known = f"one of {', '.join(FORMATS)}"
+        self.require(self.memory in FORMATS, f"memory={self.memory!r}", known)
+        self.require(
+            (self.in_fmt.frac, self.out_fmt) == (EXACT.hidden_fmt.frac, RESULT),
+            f"in_fmt={self.in_fmt} and out_fmt={self.out_fmt}",
+            f"{EXACT.hidden_fmt.frac} fraction bits and {RESULT}",
+        )
         self.check(reach_width=(self.formats.group_width + 1, self.in_fmt.width - 1))
 
     @property
@@ -189,7 +195,8 @@ class BipartitePair(Block):
     activation: Bipartite
 
     def __post_init__(self) -> None:
-        assert self.activation.memory == "block_ram", self.entity
+        memory = self.activation.memory
+        self.require(memory == "block_ram", f"memory={memory!r}", "block_ram")
 
     @property
     def ports(self) -> tuple[Port, ...]:

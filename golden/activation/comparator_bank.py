@@ -30,8 +30,12 @@ class ComparatorBank(Block):
     thresholds: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        marks = -1, *self.thresholds, (1 << self.mag_width) - 1
-        assert all(a < b for a, b in pairwise(marks)), f"{self.entity}: {marks} do not rise"
+        top = (1 << self.mag_width) - 1
+        self.require(
+            all(a < b for a, b in pairwise((-1, *self.thresholds, top))),
+            f"thresholds {self.thresholds}",
+            f"strictly rising ones from 0 to {top - 1}, for a magnitude of {self.mag_width} bits",
+        )
 
     @property
     def addr_width(self) -> int:

@@ -40,7 +40,12 @@ class GradEqn(Block):
     rounding: Rounding
 
     def __post_init__(self) -> None:
-        assert max(self.intercept_frac, self.out_fmt.frac) <= self.product_frac, self.entity
+        for name, frac in (("intercept", self.intercept_frac), ("result", self.out_fmt.frac)):
+            self.require(
+                frac <= self.product_frac,
+                f"{frac} fraction bits of the {name}",
+                f"{self.product_frac} at most, those of the product",
+            )
 
     @property
     def product_frac(self) -> int:

@@ -49,6 +49,8 @@ class Precise(OddActivation):
     words: int
 
     def __post_init__(self) -> None:
+        known = f"one of {', '.join(FORMATS)}"
+        self.require(self.coefficients in FORMATS, f"coefficients={self.coefficients!r}", known)
         self.check(words=(1, len(self.whole.intercepts)))
 
     @property

@@ -29,7 +29,12 @@ class Rom(Block):
     frac: int
 
     def __post_init__(self) -> None:
-        assert 0 <= min(self.words) <= max(self.words) < 1 << self.width, self.entity
+        top = (1 << self.width) - 1
+        self.require(
+            bool(self.words) and min(self.words) >= 0 and max(self.words) <= top,
+            f"words {self.words}",
+            f"at least one, each 0 to {top}",
+        )
 
     @property
     def addr_width(self) -> int:

@@ -45,6 +45,11 @@ class Block:
                 expected = f"{low} or more" if high is None else f"{low} to {high}"
                 raise InputError(f"{self.entity}: got {name}={got}, expected {expected}")
 
+    def require(self, right: bool, got: str, expected: str) -> None:
+        """Refuse constants that do not go together, under ``python -O`` too."""
+        if not right:
+            raise InputError(f"{self.entity}: got {got}, expected {expected}")
+
     @property
     def ports(self) -> tuple[Port, ...]:
         """The ports of the entity, in their order."""

@@ -26,8 +26,8 @@ class Scanned(Around):
 
         left: Clocks from the last sample of one scan to the first of the next.
         """
-        taken = self.inputs, self.readout.input_controller.inputs
-        assert (scan.inputs, scan.slots) == taken, f"{self.entity}: the network takes {taken}"
+        got, taken = (scan.inputs, scan.slots), (self.inputs, self.readout.input_controller.inputs)
+        self.require(got == taken, f"a scan of (inputs, slots) {got}", str(taken))
         width, scan_clocks = scan.counter_width, scan.scan_clocks
         if scan_clocks < self.readout.interval:
             raise InputError(

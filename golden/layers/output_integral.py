@@ -29,8 +29,12 @@ class OutputIntegral(RowSums):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        assert len(self.row_factors) == self.outputs, self.entity
-        assert min(self.row_factors) > 0, self.entity
+        self.require(
+            self.factors is None
+            or (len(self.factors) == self.outputs and min(self.factors, default=0) > 0),
+            f"factors {self.factors}",
+            f"{self.outputs} of 1 or more",
+        )
 
     @property
     def addr_width(self) -> int:

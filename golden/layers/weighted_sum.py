@@ -117,7 +117,11 @@ class WeightedSum(Block):
     product_shift: int
 
     def __post_init__(self) -> None:
-        assert self.acc_frac >= max(self.out_fmt.frac, self.coeff_fmt.frac), self.entity
+        self.require(
+            self.acc_frac >= max(self.out_fmt.frac, self.coeff_fmt.frac),
+            f"a sum of {self.acc_frac} fraction bits",
+            f"at least those of {self.out_fmt} and {self.coeff_fmt}",
+        )
 
     @property
     def acc_frac(self) -> int:

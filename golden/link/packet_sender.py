@@ -71,7 +71,7 @@ class PacketSender(Block):
     def __post_init__(self) -> None:
         self.check(inputs=(1, MOST_POINTS), outputs=(1, MOST_POINTS), points=(0, MOST_POINTS))
         self.check(patience=(2, MOST_PATIENCE), elements=(0, MOST_POINTS))
-        assert not (self.reload and self.learns), self.entity
+        self.require(not (self.reload and self.learns), "reload and learns", "one of them")
         _ = self.layout, self.argmax
 
     @property

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
+from golden.common.block import Block
 from golden.common.port import Port
 from golden.input_error import InputError
 from golden.layers.argmax import ArgmaxTree
@@ -145,6 +146,11 @@ class Design(Network):
                 raise InputError(
                     f"{cls.block}: got {got} {name} of a {shape} network, expected {most} at most"
                 )
+
+    def check_latencies(self, what: str, blocks: Sequence[Block]) -> None:
+        """All of these blocks must answer in the same clock."""
+        clocks = sorted({block.latency for block in blocks})
+        self.require(len(clocks) == 1, f"{what} of latencies {clocks}", "one latency")
 
     @classmethod
     def build(

@@ -37,8 +37,13 @@ class Hybrid(Design):
 
     def __post_init__(self) -> None:
         hidden = self.input_integral.hidden
-        assert hidden == len(self.activations) == self.output_integral.hidden, self.entity
-        assert len({activation.latency for activation in self.activations}) == 1, self.entity
+        behind, tables = self.output_integral.hidden, len(self.activations)
+        self.require(
+            hidden == tables == behind,
+            f"{hidden} nodes, {tables} activations and {behind} weights per output",
+            "equal numbers",
+        )
+        self.check_latencies("activations", self.activations)
 
     @classmethod
     def build(

@@ -65,8 +65,11 @@ class Several(Network):
     def __post_init__(self) -> None:
         shapes = [(network.inputs, network.outputs) for network in self.networks]
         expected = [(self.inputs + self.chained * n, 1) for n in range(len(shapes))]
-        assert len(shapes) > 1, self.entity
-        assert shapes == expected, f"{self.entity}: {shapes} is not {expected}"
+        self.require(
+            len(shapes) > 1 and shapes == expected,
+            f"networks of (inputs, outputs) {shapes}",
+            f"two or more: {expected}",
+        )
 
     @property
     def inputs(self) -> int:

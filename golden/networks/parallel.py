@@ -84,13 +84,19 @@ class Parallel(Design):
 
     def __post_init__(self) -> None:
         hidden, outputs = self.hidden_neurons, self.output_neurons
-        assert {len(neuron.weights) for neuron in hidden} == {self.inputs}, self.entity
-        assert {len(neuron.weights) for neuron in outputs} == {len(hidden)}, self.entity
-        assert len(self.activations) == len(hidden), self.entity
+        samples, behind = (sorted({len(n.weights) for n in layer}) for layer in (hidden, outputs))
+        self.require(len(samples) == 1, f"hidden neurons of {samples} weights", "equal numbers")
+        self.require(
+            [len(hidden)] == [len(self.activations)] == behind,
+            f"{len(hidden)} hidden neurons, {len(self.activations)} activations and {behind} "
+            "weights per output",
+            "equal numbers",
+        )
         # All values of a frame stand in one clock, so either all outputs have the multiplier of a
         # factor or none.
-        for row in (hidden, self.activations, outputs):
-            assert len({block.latency for block in row}) == 1, self.entity
+        self.check_latencies("hidden neurons", hidden)
+        self.check_latencies("activations", self.activations)
+        self.check_latencies("outputs", outputs)
 
     @classmethod
     def build(

@@ -84,8 +84,11 @@ class TableGraph(AtOnce):
             (self.first, self.hidden, self.samples),
             (self.second, self.output, len(self.hidden.weights)),
         ):
-            assert len(tables) == matrix.inputs, self.entity
-            assert all(table.source < words for table in tables), self.entity
+            self.require(
+                len(tables) == matrix.inputs and all(t.source < words for t in tables),
+                f"{len(tables)} tables of {words} words",
+                f"{matrix.inputs}, as many as {matrix.entity} adds up",
+            )
 
     @classmethod
     def build(

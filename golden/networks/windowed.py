@@ -26,7 +26,12 @@ class Windowed(Around):
     window: Window
 
     def __post_init__(self) -> None:
-        assert self.network.inputs == len(self.window.taps), self.entity
+        taps = len(self.window.taps)
+        self.require(
+            self.network.inputs == taps,
+            f"a network of {self.network.inputs} inputs",
+            f"{taps}, the samples of the window",
+        )
         if self.network.stream != "serial" or self.network.image or self.network.past:
             raise InputError(
                 f"{self.entity}: got {self.network.entity}, expected a network that takes a stream "

@@ -60,7 +60,8 @@ class ConverterReader(Scan):
                 f"{self.entity}: got {self.inputs} sensors, expected 1 to {self.part.channels}, "
                 f"the channels of {part}"
             )
-        assert self.inputs <= self.slots, self.entity
+        got = f"inputs={self.inputs} and slots={self.slots}"
+        self.require(self.inputs <= self.slots, got, "inputs <= slots")
         slowest = Fraction(2 * self.part.slowest_khz, 1000)
         if self.clock < slowest:
             raise InputError(

@@ -82,7 +82,8 @@ class ScanSequencer(Scan):
     pause: int = 0
 
     def __post_init__(self) -> None:
-        assert 1 <= self.inputs <= self.slots, self.entity
+        got = f"inputs={self.inputs} and slots={self.slots}"
+        self.require(1 <= self.inputs <= self.slots, got, "1 <= inputs <= slots")
         least = self.slot_width + 1
         if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
             raise InputError(
