@@ -123,6 +123,11 @@ def test_rows_are_chosen_by_the_values_of_columns(small_scene: Scene) -> None:
         load_scene(path).vectors()
 
 
+def test_a_window_without_a_past_rules_nothing_out(small_scene: Scene) -> None:
+    text = "where = { x0 = 0.25 }\nwindow = { x1 = [0] }\n[network]"
+    assert load_scene(edited(small_scene, "[network]", text)).window.plain
+
+
 @pytest.mark.parametrize("name", scene_names())
 def test_a_shipped_scene_has_no_faults(name: str, tmp_path: Path) -> None:
     scene = load_scene(name)

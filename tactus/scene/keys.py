@@ -14,7 +14,8 @@ from golden.sensing.converter_parts import PARTS
 from golden.trained.dense import ACTIVATIONS
 from golden.visualisation.load_profile import SHAPE_THRESHOLD
 from tactus.core.schema import load_keys
-from tactus.sizing.choice import DEVICES, UNDECIDED
+from tactus.scene.training import INTERVALS
+from tactus.sizing.choice import DEFAULT, DEVICES, UNDECIDED
 
 SCENE = load_keys(
     Path(__file__).with_name("keys.toml"),
@@ -29,6 +30,8 @@ SCENE = load_keys(
 # The keys of each section.
 KEYS = {section: table["properties"] for section, table in SCENE["properties"].items()}
 KEYS["network"]["functions"]["description"] += f" An expression holds {ALLOWED}."
+KEYS["hardware"]["device"]["shown"] = f"`{DEFAULT}`"
+KEYS["training"]["intervals"]["shown"] = str(INTERVALS)
 KEYS["visualisation"]["shape_threshold"]["default"] = SHAPE_THRESHOLD
 # The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
 # written. ``make pages`` writes it.

@@ -93,6 +93,10 @@ def _note(text: str) -> None:
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     data, hardware = values["data"], values["hardware"]
+    if isinstance(data["window"], dict):
+        # A sensor with its newest sample alone has no past, which would rule out other keys.
+        plain = {name for name in data["sensors"] if data["window"].get(name) == [0]}
+        data["window"] = {n: d for n, d in data["window"].items() if n not in plain} or [0]
     found = [fault(f"{path}: {text}") for text in clashes(SCENE, values)]
     paths = data_paths(data, path)
     if data["classes"]:
