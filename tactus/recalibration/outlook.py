@@ -13,9 +13,10 @@ M t)``. The ratio of the two determines how likely the output gets better. Befor
 read, ``t`` has a normal distribution around 0 with covariance ``I - C``, and everything else is the
 same.
 
-The errors that are expected after a correction follow from ``C``. Those without one are computed at
-the most likely drift, because the outputs are not linear: it determines the readings that the
-sensors would have given in the recording, and the networks compute the outputs for them.
+The errors that are expected after a correction follow from ``C``. So does a part of those without
+one. The other part is computed at the most likely drift, because the outputs are not linear: it
+determines the readings that the sensors would have given in the recording, and the networks compute
+the outputs for them.
 """
 
 from collections.abc import Iterator, Sequence
@@ -95,10 +96,10 @@ def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
     vectors = recorded.scene.vectors()
     now = recorded.drifted(vectors.inputs, found.theta, LEAST_GAIN)
     errors = vectors.percent_errors(recorded.scene.process_real(now))
-    before = np.sqrt((errors**2).mean(axis=0))
+    unsure = found.root @ found.root.T
     return Outlook(
-        before,
-        _expected(recorded, found.root @ found.root.T),
+        _expected(recorded, (errors**2).mean(axis=0), unsure),
+        _expected(recorded, recorded.error**2, unsure),
         _chances(recorded, found.theta[np.newaxis], found.root),
     )
 
@@ -109,14 +110,18 @@ def planned(recorded: Sensitivity, root: Real) -> Outlook:
     # This is slightly more than I - C, because rounding may make an eigenvalue of I - C negative.
     known = np.linalg.cholesky(unit * (1 + LEAST_KNOWN) - covariance)
     drawn = np.random.default_rng(1).standard_normal((DRAWS, len(unit))) @ known.T
-    before, after = (_expected(recorded, unsure) for unsure in (unit, covariance))
+    own = recorded.error**2
+    before, after = (_expected(recorded, own, unsure) for unsure in (unit, covariance))
     return Outlook(before, after, _chances(recorded, drawn, root))
 
 
-def _expected(recorded: Sensitivity, covariance: Real) -> Real:
-    """Root mean square errors of the outputs with such a covariance of what is left of a drift."""
-    squares = np.einsum("oij,ij->o", recorded.squares, covariance)
-    return np.asarray(np.sqrt(recorded.error**2 + squares))
+def _expected(recorded: Sensitivity, squares: Real, covariance: Real) -> Real:
+    """Root mean square errors of the outputs.
+
+    squares: Mean squares of the errors at the most likely drift.
+    covariance: That of the drift around it.
+    """
+    return np.asarray(np.sqrt(squares + np.einsum("oij,ij->o", recorded.squares, covariance)))
 
 
 def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
