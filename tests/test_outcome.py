@@ -1,4 +1,4 @@
-"""Tests what reports say: how sure figures are, where errors occur, and the scenes side by side."""
+"""Tests what reports say: how sure figures are, where errors occur, and the table of all pages."""
 
 import shutil
 from collections.abc import Callable
@@ -35,7 +35,7 @@ from tactus.report.measure.outcome import (
     sensors,
 )
 from tactus.report.page.headline import REBUILT, SHOWN, headline
-from tactus.report.page.summary import errors
+from tactus.report.page.summary import errors, in_units
 from tactus.scene import Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import activation_error
@@ -159,11 +159,11 @@ def test_the_table_of_all_pages_holds_the_figures_of_scenes_and_thesis() -> None
     clocks = [scene.twin().clocks_after_samples for scene in scenes]
     cells = [read_budget(scene.path)["xc2v"][scene.twin().entity] for scene in scenes]
     for name, figures in {
-        "error on held-out rows": [None, *(max(held_out_means(s) or []) for s in scenes)],
+        "mean error on held-out rows": [None, *(max(held_out_means(s) or []) for s in scenes)],
         "mean error at the worst position": [max(printed["simulation"]), *errors],
         "the same, with real sensors": [max(printed["real_time"]), None, None],
         "clocks after the last sample": [None, *clocks],
-        "µs at 64 MHz": [None, *(n / board["clock_mhz"] for n in clocks)],
+        "the same in µs at 64 MHz": [None, *(n / board["clock_mhz"] for n in clocks)],
         "LUTs": [28672 * printed["luts_percent"] / 100, *(one["LUT"] for one in cells)],
         "multipliers": [96 * printed["mult18x18_percent"] / 100, *(c["multiplier"] for c in cells)],
         "block RAMs": [None, *(one["block RAM"] for one in cells)],
@@ -171,6 +171,14 @@ def test_the_table_of_all_pages_holds_the_figures_of_scenes_and_thesis() -> None
         for cell, figure in zip(rows[name], figures, strict=True):
             text = str(cell).removeprefix("about ").removesuffix(" %")
             assert text == "-" if figure is None else shows(text, figure, ROUNDING), name
+    assert headline((True, False)).rows[-1][2:] == ["all 2^56 frames", "not proved"]
+
+
+def test_the_first_tables_say_what_their_errors_are_of() -> None:
+    note = errors(outcome(load_scene("digit"))).note
+    assert "100 % is 0.9 for position, 0.9 for width, the recorded value for load, shape." in note
+    (lengths,) = in_units(load_scene("swing-single"))
+    assert lengths.columns == ["output", "in", "mean", "worst"], "there are no positions"
 
 
 @pytest.fixture

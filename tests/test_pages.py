@@ -165,7 +165,7 @@ def test_the_first_table_of_a_report_holds_the_errors() -> None:
     noisy = [disturbed_errors(scene, Disturbance(noise)) for noise in noises_of(scene)]
     thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     table = summary.errors(outcome(scene))
-    noises = [f"noise {noise:g} %" for noise in noises_of(scene)]
+    noises = [f"noise {noise:g}, %" for noise in noises_of(scene)]
     assert list(table.columns) == [
         *("output", "held out %", "mean %", "largest %", "worst %", *noises),
         *("float %", "thesis %"),

@@ -27,6 +27,7 @@ from golden.networks.oracle import exact
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
 from tactus.network_files.network_file import load_network, write_network
+from tactus.report.page.summary import built
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import file_codes, quantised_lines
 from tactus.scene.scale import Scale, on_signals
@@ -390,6 +391,7 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path, of_samples: bool) -> Non
         f"file; readings are rounded to 14 bits before, which changes {(before != after).sum()} of "
         "them"
     )
+    assert f"{line}." in built(scene, scene.twin()), "the name of a file keeps its letters"
     path.write_text(path.read_text().replace("factor = 4", "factor = 4.1"))
     with pytest.raises(InputError, match=r"exact.toml: layer 1: \d of \d weights .* powers of two"):
         load_scene(str(path)).twin()

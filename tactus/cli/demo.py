@@ -31,7 +31,7 @@ from tactus.scene.vectors import warn_outside
 from tactus.verify.benches.results import left_texts, simulate
 from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import SIMULATORS, language, simulator_versions
-from tactus.verify.every_frame.verdict import DIFFERS, SAID
+from tactus.verify.every_frame.verdict import DIFFERS, PROVED, SAID
 from tactus.verify.prove import proof_line
 
 
@@ -85,19 +85,21 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
         print("\n".join(bench_lines(scene, results[scene.name])))
     if any(found["failed"] for found in results.values()):
         return 1
+    proved = []
     for scene in scenes:
         with stage(f"{scene.name}: proving every frame"):
             proof = str(proof_line(scene, ask=True))
         print(f"Verilog, {proof}")
         if proof.startswith(SAID[DIFFERS]):
             return 1
+        proved.append(proof.startswith(SAID[PROVED]))
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         told = ["", *build_report(scene).lines(), ""]
         told += [f"left out: {text}" for text in scene.twin().left_out()]
         print("\n".join([*told, speeds(scene, results[scene.name])]))
     if len(scenes) > 1:
-        print("\n".join(["", *headline().lines()]))
+        print("\n".join(["", *headline(tuple(proved)).lines()]))
     return 0
 
 

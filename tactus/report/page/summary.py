@@ -73,9 +73,6 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
     )
 
 
-ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
-
-
 def built(scene: Scene, design: Network) -> list[str]:
     """Sentences that say what the scene is."""
     entities = list(walk(design))
@@ -86,7 +83,6 @@ def built(scene: Scene, design: Network) -> list[str]:
         *(scene.choice.lines() if scene.choice else []),
         *ranges(scene),
         *range_lines(scene, saturated),
-        *quantised_lines(scene),
     ]
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
@@ -98,7 +94,18 @@ def built(scene: Scene, design: Network) -> list[str]:
         f"samples saturated.{f' {unused}.' if unused else ''}",
         *(f"{design.core.entity}: {fact}." for fact in design.core.facts()),
         *(f"{line[0].upper()}{line[1:]}." for line in told),
+        # These begin with the path of a file.
+        *(f"{line}." for line in quantised_lines(scene)),
     ]
+
+
+def parts_of(scene: Scene) -> str:
+    """A sentence on what the errors in percent are parts of."""
+    if scene.labels:
+        return "The error of a class is the part of the rows decided wrongly about it."
+    told = [f"{scene.full_scale[n]:g} for {n}" for n in scene.outputs if n in scene.full_scale]
+    others = ", ".join(name for name in scene.outputs if name not in scene.full_scale)
+    return f"100 % is {', '.join([*told, *([f'the recorded value for {others}'] * bool(others))])}."
 
 
 def errors(found: Outcome) -> Table:
@@ -112,15 +119,15 @@ def errors(found: Outcome) -> Table:
     ):
         largest: Row = {"largest %": error.largest_mean} if scene.group_by else {}
         row: Row = {"output": name, "held out %": means[c], "mean %": error.mean, **largest}
-        noisy = {f"noise {noise:g} %": float(e[:, c].mean()) for noise, e in found.noisy.items()}
+        noisy = {f"noise {noise:g}, %": float(e[:, c].mean()) for noise, e in found.noisy.items()}
         rows.append({**row, "worst %": error.worst, **noisy, "float %": real.mean})
     note = (
         "The errors are bit-true, which means those of the hardware, on the recorded rows. "
-        + (ERRORS_OF_CLASSES if scene.labels else "")
+        f"{parts_of(scene)} "
         + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
-        + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
-        "with noise of this size on every reading, in its unit; float that of the networks in "
-        "floating point."
+        + "Worst is that of a single row. Held out is the mean on held-out rows; rows: "
+        f"{held_out_text(scene)}. Noise is the mean with noise of this size on every reading, in "
+        "its unit; float that of the networks in floating point."
     )
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
@@ -144,10 +151,11 @@ def in_units(scene: Scene) -> list[Table]:
         (name, scene.units.get(name, "its unit"), error)
         for name, error in unit_errors(scene).items()
     ]
-    rows: list[Row] = [
-        {"output": name, "in": unit, "mean": e.mean, "largest": e.largest_mean, "worst": e.worst}
-        for name, unit, e in found
-    ]
+    rows: list[Row] = []
+    for name, unit, error in found:
+        largest: Row = {"largest": error.largest_mean} if scene.group_by else {}
+        mean: Row = {"output": name, "in": unit, "mean": error.mean}
+        rows.append({**mean, **largest, "worst": error.worst})
     note = "Bit-true errors on the recorded rows; the columns are those of the errors in percent."
     return [Table.of("errors_in_units", rows, note)] if rows else []
 
@@ -162,7 +170,11 @@ def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
     rows: list[list[Cell]] = [
         ["clocks from first sample to last output", clocks, None],
         ["clocks from frame to frame", design.interval, None],
-        [f"microseconds a frame at {scene.clock_mhz:g} MHz", clocks / scene.clock_mhz, None],
+        [
+            f"microseconds from first sample to last output at {scene.clock_mhz:g} MHz",
+            clocks / scene.clock_mhz,
+            None,
+        ],
     ]
     note = f"No costs are recorded; make synth {scene_variable(scene)} RECORD=1 records them."
     if found is not None:
@@ -175,6 +187,7 @@ def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
             ["Virtex-II multipliers", top["xc2v"]["multiplier"], None],
             *(_share(found, "multipliers", "mult18x18_percent") if compared else []),
             ["Virtex-II flip-flops", top["xc2v"]["flip-flop"], None],
+            ["Virtex-II block RAMs", top["xc2v"]["block RAM"], None],
             ["Series 7 LUTs", top["xc7"]["LUT"], None],
         ]
         note = (
@@ -224,8 +237,9 @@ def frame(scene: Scene) -> list[Table]:
     ]
     slots = 0 if words else design.frame_clocks - len(samples)
     note = (
-        "The first recorded frame that has a whole past, as the twin computes it, with an element "
-        "in each clock. The benches compare codes and clocks with the exported files."
+        f"The first recorded frame{' that has a whole past' if design.past else ''}, as the twin "
+        "computes it, with an element in each clock. The benches compare codes and clocks with the "
+        "exported files."
     )
     if slots:
         note += f" Behind the samples come {slots} elements whose data do not count."
