@@ -26,6 +26,7 @@ from tactus.core.files import check_writable, replace_file, replace_files, repla
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.core.progress import PAUSE, Progress, stage
+from tactus.export import exporter
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches import kept_results, results
 from tactus.verify.benches.runner import Job, Outcome
@@ -364,6 +365,17 @@ def test_keys_that_a_module_declares_are_its_code(tmp_path: Path) -> None:
     without = told(module)
     module.with_suffix(".toml").write_text("[data]")
     assert told(module) == f"{without}\n[data]"
+
+
+@pytest.mark.parametrize(
+    "file", ["scene/keys.toml", "sizing/cells.csv", "export/core.jinja", "scene/reading.py"]
+)
+def test_what_an_export_depends_on_makes_it_old(sources: Copy, file: str) -> None:
+    asked = exporter._sources.__wrapped__
+    sources.forget()
+    before = asked()
+    sources.add(f"tactus/{file}", COMMENT)
+    assert asked() != before
 
 
 def test_modules_that_are_found_by_name_are_listed() -> None:

@@ -97,5 +97,8 @@ def _asked(scene: Scene, folder: Path) -> tuple[store.Key, Path]:
 
 @cache
 def _sources() -> str:
-    templates = sorted(Path(__file__).parent.glob("*.jinja"))
-    return fingerprint([*closure(["tactus.export.__main__"]).values(), *templates])
+    """A digest of the modules that read and export a scene, and of the data beside them."""
+    modules = closure(["tactus.export.__main__"]).values()
+    beside = {file for folder in {path.parent for path in modules} for file in folder.iterdir()}
+    data = sorted(file for file in beside if file.suffix in {".csv", ".jinja", ".toml"})
+    return fingerprint([*modules, *data])
