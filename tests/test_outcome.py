@@ -11,6 +11,7 @@ from pages import ROUNDING, shows
 
 from golden.numbers.precision import SIGNAL
 from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
+from tactus.cli import demo
 from tactus.core.table import read_table
 from tactus.errors import (
     HELD_OUT,
@@ -34,14 +35,18 @@ from tactus.report.measure.outcome import (
     outcome,
     sensors,
 )
+from tactus.report.page.content import Page
 from tactus.report.page.headline import REBUILT, SHOWN, headline
 from tactus.report.page.summary import errors, in_units
-from tactus.scene import Scene, load_scene, scene_path, thesis_table
+from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import activation_error
 from tactus.scene.scale import Scale, on_readings
 from tactus.synth.budget import read_budget
 from tactus.train.split import split_of, split_story
+from tactus.verify.benches.tools import SIMULATORS
+from tactus.verify.every_frame.verdict import DIFFERS, PROVED, SAID
+from tactus.verify.every_frame.verdict import UNKNOWN as UNSETTLED
 from tb.common.cases import random_mlp
 
 
@@ -171,7 +176,40 @@ def test_the_table_of_all_pages_holds_the_figures_of_scenes_and_thesis() -> None
         for cell, figure in zip(rows[name], figures, strict=True):
             text = str(cell).removeprefix("about ").removesuffix(" %")
             assert text == "-" if figure is None else shows(text, figure, ROUNDING), name
-    assert headline((True, False)).rows[-1][2:] == ["all 2^56 frames", "not proved"]
+
+
+@pytest.mark.parametrize(
+    ("failed", "verdict", "code"),
+    [(0, PROVED, 0), (0, UNSETTLED, 0), (0, DIFFERS, 1), (1, PROVED, 1)],
+)
+def test_the_demo_ends_with_the_table_of_all_pages(
+    monkeypatch, capsys, failed: int, verdict: int, code: int
+) -> None:
+    """It says of no network that it is proved if it is not."""
+    results = {
+        "benches": 9,
+        "kept": 0,
+        "left": 0,
+        "recorded": [],
+        "short": "",
+        "failed": failed,
+        "compared": 987654,
+        "facts": {simulator: {"frames": 10, "seconds": 2.0} for simulator in SIMULATORS},
+        "blocks": {"abs_unit": {simulator: [1, 70] for simulator in SIMULATORS}},
+    }
+    monkeypatch.setattr(demo, "simulate", lambda *_: results)
+    monkeypatch.setattr(demo, "proof_line", lambda scene, ask: f"{SAID[verdict]}{scene.name}")
+    monkeypatch.setattr(demo, "build_report", lambda scene: Page(f"of {scene.name}", [], [], []))
+    assert demo.demonstrate([load_scene(name) for name in DEFAULT_SCENES], full=False) == code
+    told = capsys.readouterr().out
+    assert f"9 benches (0 unchanged since they passed and not run again), {failed} failed" in told
+    if code == 0:
+        assert "of thesis" in told
+        assert "icarus 5, numpy twin" in told
+        (line,) = [line for line in told.splitlines() if line.startswith("proved for  ")]
+        assert line.count("all 2^56 frames") == 2 * (verdict == PROVED)
+        assert line.count("not proved") == 2 * (verdict == UNSETTLED)
+        assert told.splitlines()[-1] == headline().lines()[-1]
 
 
 def test_the_first_tables_say_what_their_errors_are_of() -> None:
