@@ -289,6 +289,16 @@ def test_a_tool_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
     assert len(said.out.splitlines()) == 1
 
 
+def test_a_property_that_does_not_hold_is_red_by_name(copied: Path) -> None:
+    file = copied / "design" / "verilog" / "frame_check.v"
+    text = file.read_text(encoding="utf-8")
+    assert "<= (early || broken);" in text
+    file.write_text(text.replace("<= (early || broken);", "<= broken;"), encoding="utf-8")
+    assert check(copied, "properties") == 1
+    (result,) = read_results(copied)
+    assert (result.colour, result.figure) == ("red", "do not hold: engine.1 frame_check.1")
+
+
 @pytest.mark.parametrize("fault", ["a weight", "a bit"])
 def test_an_export_of_another_network_is_red(fault: str, copied: Path) -> None:
     if fault == "a weight":

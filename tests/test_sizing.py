@@ -215,6 +215,24 @@ def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None
     assert max(luts) < 1.1 * min(luts)
 
 
+def test_a_design_that_no_placed_network_has_is_not_estimated(tmp_path: Path, capsys) -> None:
+    networks, hardware = CASE["rails-tables"].networks(), "adder_operands = 3"
+    path = write_scene(
+        tmp_path,
+        "mine",
+        "exact",
+        networks,
+        "single",
+        "precise",
+        design="table_graph",
+        hardware=hardware,
+    )
+    call("designs", path, "--family", "ecp5")
+    said = capsys.readouterr().out
+    assert "table_graph: not possible: no network with these options was placed" in said
+    assert said.count("table_graph") == 1
+
+
 def test_auto_takes_small_tables_where_nothing_else_is_fast_enough(tmp_path: Path) -> None:
     fast = auto_tables(tmp_path, "interval = 1")
     row = fast.choice.row

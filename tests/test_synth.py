@@ -187,6 +187,22 @@ def test_a_latch_is_an_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("yosys")
+def test_a_loop_of_logic_through_two_entities_is_an_error(tmp_path: Path) -> None:
+    """To add the lowest bits of a sum to its highest ones is none."""
+    file, half = tmp_path / "top.v", "module half(input a, input b, output q); assign q = "
+    top = (
+        "module top(input a, input b, input [1:0] c, output q, output [3:0] s);\n"
+        "wire x, y; half one(a, y, x); half two(b, x, y); assign q = y;\n"
+        "assign s = {s[1:0], c} + 4'd3;\nendmodule\n"
+    )
+    file.write_text(f"{half}!(a & b); endmodule\n{top}")
+    with pytest.raises(InputError, match=r"top: got a loop of logic through .*one\.b.*, expected"):
+        synthesise_flat(tmp_path, "top")
+    file.write_text(f"{half}!a; endmodule\n{top}")
+    assert any(synthesise_flat(tmp_path, "top").values())
+
+
+@pytest.mark.usefixtures("yosys")
 def test_a_sum_of_three_operands_takes_a_lut_for_each_bit() -> None:
     sample = Fix(14, 13)
     matrix = ConstantMatrix(sample, Fix(16, 13), ((1, 1, 1),), (0,), 0, 0, 1, adder_operands=3)

