@@ -37,6 +37,7 @@ from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_wid
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.trained.dense import mlp_of
 from golden.trained.window import Window
+from tactus.core.fingerprint import ROOT
 from tactus.errors import held_out_means
 from tactus.report.measure.networks import scenes
 from tactus.scene import Scene, load_scene, scene_names, thesis_figures
@@ -254,10 +255,11 @@ def test_constants_that_do_not_go_together_are_refused(
 
 def test_no_twin_checks_its_constants_by_an_assertion() -> None:
     """``python -O`` leaves assertions out, and wrong hardware would be built."""
-    for path in Path("golden").rglob("*.py"):
-        for made in ast.walk(ast.parse(path.read_text())):
-            if isinstance(made, ast.FunctionDef) and made.name == "__post_init__":
-                assert not any(isinstance(node, ast.Assert) for node in ast.walk(made)), path
+    twins = [ast.parse(path.read_text()) for path in (ROOT / "golden").rglob("*.py")]
+    made = [node for twin in twins for node in ast.walk(twin) if isinstance(node, ast.FunctionDef)]
+    checks = [one for one in made if one.name.startswith(("__post_init__", "check"))]
+    assert len(checks) > 20
+    assert not any(isinstance(node, ast.Assert) for one in checks for node in ast.walk(one))
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
