@@ -16,8 +16,8 @@ from tactus.core.store import VARIABLE
 from tactus.report.page import sign_off
 from tactus.report.page.sign_off import percent
 from tactus.verify.benches.collected import BENCHES
-from tactus.verify.benches.runner import Job, Outcome, run_job
-from tactus.verify.sign_off.mutate import flat, score
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.sign_off.mutate import flat
 from tactus.verify.sign_off.mutate.mutants import (
     explain,
     explanations,
@@ -115,19 +115,6 @@ def test_what_the_replay_finds_the_bench_finds(
     assert not differ[0]
     assert sum(differ) > FEW / 2
     assert run_bench(small, differ.index(True))
-
-
-@pytest.fixture
-def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The test that each run of a bench was asked for; empty for all of them."""
-    asked: list[str] = []
-
-    def run(job: Job) -> Outcome:
-        asked.append(job.test)
-        return run_job(job)
-
-    monkeypatch.setattr(score, "run_job", run)
-    return asked
 
 
 def test_a_verdict_of_the_bench_is_of_all_that_enters_it(small: Subject, monkeypatch) -> None:
@@ -252,7 +239,8 @@ def test_the_page_tells_how_sure_a_score_is(monkeypatch) -> None:
     assert at_least == pytest.approx(0.025, rel=0.1)
     assert percent({"mutants": 31, "score": 1}) == "100 %"
     facts |= {"survivors": [], "population": 796}
-    monkeypatch.setattr(sign_off, "recorded", lambda kind, _: facts if kind == "mutation" else {})
+    of_block = {"mutation": {"abs_unit": facts}}
+    monkeypatch.setattr(sign_off, "records", lambda kind: of_block.get(kind, {}))
     said = "mutants detected: 189 of 200, drawn from 796; proved equivalent: 7; score"
     assert said in sign_off.sheet("abs_unit")
     facts["population"] = COUNT

@@ -21,7 +21,9 @@ from golden.input_error import InputError
 from golden.layers.weighted_sum import closest
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
-from tactus.verify.benches.collected import BENCHES, CASES, PROOFS, properties_of
+from tactus.scene import DEFAULT_SCENES
+from tactus.verify import sim
+from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF, PROOFS, properties_of
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.sign_off import equal, prove, record
 from tactus.verify.sign_off.equal import Pair, compare, netlists_of
@@ -219,6 +221,21 @@ def test_a_stale_record_names_the_command(rows: Job, tmp_path: Path, monkeypatch
     assert all(
         record.PROVE.format("output_controller") in text for text in (missing, stale, lacking)
     )
+
+
+def test_a_block_is_simulated_in_the_case_of_its_records(tmp_path: Path, capsys) -> None:
+    (scene,) = sim.scenes(None, "axis_network", tmp_path)
+    assert scene.name == NAMES["axis_network"]
+    assert f"case {scene.name}: the first of the bench of axis_network" in capsys.readouterr().out
+    (scene,) = sim.scenes("digit-single", "hybrid", tmp_path)
+    assert (scene.name, capsys.readouterr().out) == ("digit-single", "")
+    assert [one.name for one in sim.scenes(None, None, tmp_path)] == [*DEFAULT_SCENES]
+
+
+def test_a_bench_without_a_case_is_told(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setitem(CASES_OF, "abs_unit", [])
+    with pytest.raises(InputError, match="BLOCK=abs_unit: CASES of its bench: got none, expected"):
+        sim.scenes(None, "abs_unit", tmp_path)
 
 
 class Counter(Block):

@@ -68,7 +68,7 @@ def properties_of(job: Job) -> list[Property]:
 
 
 # Parts of which the proof for every frame shows all that they do.
-_SHOWN = {name for module in BENCHES.values() for name in getattr(module, "SHOWN_BY_FRAMES", ())}
+SHOWN = {name for module in BENCHES.values() for name in getattr(module, "SHOWN_BY_FRAMES", ())}
 
 
 def mutated_parts(twin: Block) -> list[str]:
@@ -79,7 +79,7 @@ def mutated_parts(twin: Block) -> list[str]:
     return [
         part.entity
         for part in parts_of(twin)
-        if part.block not in _SHOWN
+        if part.block not in SHOWN
         and not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
     ]
 

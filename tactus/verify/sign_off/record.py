@@ -22,7 +22,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from golden.input_error import MissingFileError
+from golden.input_error import InputError, MissingFileError
 from tactus.core.files import reading, replace_file
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
@@ -46,6 +46,10 @@ def chosen_blocks(block: str | None) -> list[str]:
     if block is None:
         return sorted(BENCHES)
     check_name(block)
+    if not CASES_OF[block]:
+        raise InputError(
+            f"BLOCK={block}: CASES of its bench: got none, expected a case to take it in"
+        )
     return [block]
 
 
