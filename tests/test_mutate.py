@@ -16,7 +16,7 @@ from tactus.core.store import VARIABLE
 from tactus.report.page import sign_off
 from tactus.report.page.sign_off import percent
 from tactus.verify.benches.collected import BENCHES
-from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off.mutate import flat
 from tactus.verify.sign_off.mutate.mutants import (
     explain,
