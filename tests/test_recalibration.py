@@ -173,8 +173,10 @@ def touched(touches: np.ndarray, noise: float, drift: float, rng: np.random.Gene
     read = read + noise * rng.standard_normal(read.shape)
     targets = signals(touches, scene.scales(scene.outputs))
     scale = np.broadcast_to(scene.vectors().scale[0], targets.shape)
-    vectors = replace(scene.vectors(), targets=targets, scale=scale)
-    return vectors.with_inputs(signals(read, scene.scales(scene.sensors)))
+    inputs = signals(read, scene.scales(scene.sensors))
+    codes, saturated = SIGNAL.quantise(inputs, "inputs")
+    found = replace(scene.vectors(), targets=targets, scale=scale)
+    return replace(found, inputs=inputs, codes=codes, saturated=saturated)
 
 
 OWN = np.array([[force, place] for force in (10.0, 20, 30) for place in (50.0, 120, 180, 250)])

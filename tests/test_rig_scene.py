@@ -168,6 +168,7 @@ def test_what_is_seen_is_said(tmp_path: Path, changed: dict[str, object], said: 
         (np.arange(60.0), "counts the rows"),
         (np.arange(60) / 100 + 7, "counts the rows"),
         (np.arange(60) / 200 + 1.7e9, "counts the rows"),
+        ([f"{row / 60:.10f}" for row in range(60)], "counts the rows"),
         (0.25 - 0.5 * TABLE["s2"].round(4), "repeats the sensor 's2', perhaps in another unit"),
         (PLACE.round(4) * 0.5, "repeats the output 'place', perhaps in another unit"),
     ],

@@ -75,9 +75,12 @@ OPERATORS: dict[str, tuple[int, ...]] = {
 # The reasons why some other operators are not supported.
 CONVOLUTION = "tactus is for dense networks and has no convolution"
 RECURRENT = "tactus is for dense networks and has none that keep a state"
+RANDOM = "a network must be the same whenever its file is read"
 REASONS = {
     **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
     **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
+    **dict.fromkeys(("RandomNormal", "RandomNormalLike", "RandomUniform"), RANDOM),
+    **dict.fromkeys(("RandomUniformLike", "Bernoulli", "Multinomial"), RANDOM),
 }
 # For each attribute the type that it must have.
 ATTRIBUTES: dict[str, type] = {
@@ -230,7 +233,7 @@ def read(path: Path) -> ParsedNetwork:
                 raise chain.refuse(node, "expected a tensor as its value")
             constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
-        if node.op_type in quantisers.OPERATORS and node.input[0] in constants:
+        if node.op_type in quantisers.OPERATORS and node.input and node.input[0] in constants:
             made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
             constants.update(dict.fromkeys(node.output, made))
             continue
@@ -362,7 +365,7 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
 
 def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
-    if node.input[0] != current:
+    if node.input[:1] != [current]:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
     if node.op_type == quantisers.BIPOLAR:
         two, half = quantisers.bipolar(node, constants, chain.refuse)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -179,14 +179,6 @@ class Vectors:
         if self.classes:
             return wrong_percent(results, self.targets)
         return 100 * np.abs(self.targets - results) / self.scale
-
-    def with_inputs(self, inputs: Real) -> Vectors:
-        """The same rows with other signals of the sensors, and the codes of those signals.
-
-        The attribute ``recordings`` stays as it was recorded.
-        """
-        codes, saturated = SIGNAL.quantise(inputs, "inputs")
-        return replace(self, inputs=inputs, codes=codes, saturated=saturated)
 
 
 def read_vectors(scene: Scene) -> Vectors:
