@@ -48,8 +48,8 @@ def constant(values: Real) -> bool:
 def counts_rows(values: Real) -> bool:
     """Whether a column rises by the same step from row to row, as a row number or a time does."""
     steps = np.diff(values)
-    # Equal steps differ by last decimals of a file, and by last bits of the values, which for seconds
-    # since 1970 are 2e-7.
+    # Equal steps differ by last decimals of a file and by last bits of the values, which are 2e-7
+    # for seconds since 1970.
     same = 1e-6 * np.abs(steps[:1]) + 4 * np.spacing(np.abs(values).max())
     return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) <= same).all())
 
