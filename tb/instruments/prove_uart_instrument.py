@@ -1,8 +1,9 @@
 """Proved properties of uart_instrument: how its parts work together, for any line and converter.
 
 The first properties are of an engine that takes images. Without a line that is heard they are those
-of converter_instrument. At the end stand those of the line's receiver and transmitter, and of the
-pulse density. What a sender with lessons or with index and margin tells is not proved: the bench
+of converter_instrument. That the densities give the points of a profile one after the other stands
+in packet_proof.py. At the end stand those of the line's receiver and transmitter, and of the pulse
+density. What a sender with lessons or with index and margin tells is not proved: the bench
 compares every bit of ``tx``.
 """
 
