@@ -32,7 +32,7 @@ from tactus.boards.board import FOLDER as BOARDS
 from tactus.cli import train as command
 from tactus.cli.train import train_scene
 from tactus.core.finding import faults as found_faults
-from tactus.core.schema import Rule, faults, has_default, standard
+from tactus.core.schema import OWN, Rule, faults, has_default, standard
 from tactus.core.table import read_table, write_table
 from tactus.errors import held_out_rows, provenances, scene_errors, unit_errors
 from tactus.network_files.network_file import (
@@ -190,6 +190,14 @@ def sections(table: Rule) -> Iterator[tuple[str, Rule]]:
         yield name, key
 
 
+def rules(rule: Rule) -> Iterator[Rule]:
+    """A rule and all rules within it."""
+    yield rule
+    inner = [rule[word] for word in ("items", "additionalProperties") if word in rule]
+    for below in (*inner, *rule.get("anyOf", ()), *rule.get("properties", {}).values()):
+        yield from rules(below)
+
+
 KEYS = [(name, key) for table in (SCENE, BOARD, RIG) for name, key in sections(table)]
 
 
@@ -210,6 +218,14 @@ def test_schema_and_check_agree() -> None:
         assert all(fault.startswith(name) for fault in found), found
 
 
+@pytest.mark.parametrize("table", [SCENE, BOARD, RIG], ids=["scene", "board", "rig"])
+def test_every_word_of_a_declaration_is_known(table: Rule) -> None:
+    """A misspelt limit would be no limit, for the check and for an editor."""
+    known = OWN | Draft7Validator.META_SCHEMA["properties"].keys()
+    for rule in rules(table):
+        assert rule.keys() <= known, rule
+
+
 def test_a_default_is_what_may_stand_there() -> None:
     """Others mean that there is none: they are empty, or a 0 that may not stand there."""
     for name, key in KEYS:
@@ -222,6 +238,7 @@ def test_a_key_asks_of_others_what_may_stand_there() -> None:
     keys = dict(sections(SCENE))
     for key in keys.values():
         for other, known in key.get("only", {}).items():
+            assert other in keys
             for value in () if known == "any" else known:
                 assert value == "" or not list(faults(keys[other], value, other)), other
 
