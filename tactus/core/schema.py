@@ -15,7 +15,7 @@ may not stand in the file, or is empty, means none. The words beside those of JS
 - ``begins``: a text that begins so is allowed beside those of ``enum``. The program may know these.
 - ``only``: what other keys must be if this one is set: a list of values, which is empty where there
   must be none, or ``"any"``. ``because`` is the reason.
-- ``shown``: the default as a page shows it.
+- ``name``: the type as a page and a message call it; ``shown``: the default as a page shows it.
 
 No library does all of this. jsonschema and pydantic check types, ranges and unknown names. But they
 report a fault once for each kind that a key may have, name the place of a value within a list and
@@ -55,7 +55,7 @@ LIMITS = {
     "exclusiveMaximum": operator.lt,
 }
 # The words that an editor does not know.
-OWN = {"only", "because", "optional", "expected", "either", "rising", "begins", "shown"}
+OWN = {"only", "because", "optional", "expected", "either", "rising", "begins", "name", "shown"}
 
 
 def load_keys(path: Path, **known: Sequence[str]) -> Rule:
@@ -103,6 +103,8 @@ def written(value: object) -> str:
 
 def named(rule: Rule) -> str:
     """The type of a key in words, such as ``a whole number``."""
+    if "name" in rule:
+        return str(rule["name"])
     if "anyOf" in rule:
         return " or ".join(map(named, rule["anyOf"]))
     several = SEVERAL.get(rule.get("items", {}).get("type", ""), "")
