@@ -197,7 +197,7 @@ def _faults_of_table(rule: Rule, value: dict[str, Any], place: str) -> Iterator[
     unknown = [name for name in value if name not in keys]
     for name in unknown:
         text = f"key {name!r} is not known, expected {', '.join(keys)}"
-        yield f"{place}: {text}"[0 if place else 2 :] + suggest(name, list(keys))
+        yield ": ".join(filter(None, (place, text))) + suggest(name, list(keys))
     for name, key in keys.items():
         where = within(place, name)
         if name in value:

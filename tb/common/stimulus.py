@@ -106,6 +106,15 @@ def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
     return np.concatenate([upper, np.where(rows > 0, fmt.low, fmt.high)])
 
 
+def _about(
+    layer: WeightedSum, row: np.ndarray, start: int, at: int, near: int, rng: np.random.Generator
+) -> list[np.ndarray]:
+    """Frames whose sums are closest to the ``near`` values on each side of a border."""
+    targets = [(target, target >= at) for target in range(at - near, at + near)]
+    frames = [layer.closest(row, start, target, above, rng) for target, above in targets]
+    return [frame for frame in frames if frame is not None]
+
+
 def border_frames(
     rng: np.random.Generator,
     layer: WeightedSum,
@@ -123,15 +132,7 @@ def border_frames(
                 continue
             # First the samples that the twin has found, then others.
             found += list(layer.beside(row, bias, border.at))
-            for target, above in (
-                (border.at - 2, False),
-                (border.at - 1, False),
-                (border.at, True),
-                (border.at + 1, True),
-            ):
-                frame = layer.closest(row, bias << layer.bias_shift, target, above, rng)
-                if frame is not None:
-                    found.append(frame)
+            found += _about(layer, row, bias << layer.bias_shift, border.at, 2, rng)
     return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
 
 
@@ -184,10 +185,7 @@ def rounding_frames(
     found = []
     for row, result in pairs:
         at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[row]))
-        for target, above in ((at - 1, False), (at, True)):
-            frame = layer.closest(weights[row], int(starts[row]), target, above, rng)
-            if frame is not None:
-                found.append(frame)
+        found += _about(layer, weights[row], int(starts[row]), at, 1, rng)
     return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
 
 
