@@ -29,7 +29,7 @@ CASES = cases("uarts", "winner-uart")
 # An instrument that learns takes lessons from the line.
 COMPARED = ("learn-uart",)
 
-# How many scans are played with traffic on the line, and after an image.
+# How many scans with results are played with traffic on the line, and after an image.
 SCANS = 12
 # How many scans it takes at most until a step would leave the range.
 REFUSED = 60
@@ -278,13 +278,14 @@ async def recorded(dut):
     """Play recorded frames while the image is loaded and after it, and count the clocks."""
     bench = Bench(dut)
     twin = bench.twin
-    frames = recorded_frames(bench)[:SCANS]
+    scans = twin.past + SCANS
+    frames = recorded_frames(bench)[:scans]
     rx = None
     if twin.image:
         rx = noise_and_image(bench)
     elif twin.learns:
         rx = noise_and_lessons(bench, SCANS)
-    length = SCANS * twin.interval + twin.output_clocks[-1] + twin.outputs + 5
+    length = scans * twin.interval + twin.output_clocks[-1] + twin.outputs + 5
     column = np.zeros(length + (0 if rx is None else len(rx)), dtype=np.int64)
     if rx is not None:
         rx = np.concatenate([rx, np.ones(length, dtype=np.int64)])
@@ -292,7 +293,7 @@ async def recorded(dut):
     recording, runs = played.recording, played.runs
     counts = [len(numbers) for _, numbers in runs]
     assert len(counts) == 1, f"got {len(counts)} good images"
-    assert counts[0] >= SCANS - 1, f"got {counts[0]} frames"
+    assert counts[0] >= scans - 1, f"got {counts[0]} frames"
     told = played.flags
     if twin.image:
         assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
