@@ -44,7 +44,7 @@ def objective(network: DenseNetwork, of_tanh: Activation) -> Objective:
         )
         for n in (7, 5)
     ]
-    return Objective(network, of_tanh, *parts, 1e-3, 9)
+    return Objective(network, *parts, 9, of_tanh, 1e-3)
 
 
 def leaky(network: DenseNetwork) -> DenseNetwork:
@@ -69,7 +69,7 @@ def test_gradient_and_jacobian_are_the_differences(
     aim, point = objective(network, of_tanh), packed(network)
     check_derivatives(aim, point)
     slopes = aim.jacobian(point)
-    assert np.allclose(aim.curvature(point), 2 * slopes.T @ slopes)
+    assert np.allclose(aim.value_gradient_hessian(point)[2], slopes.T @ slopes)
 
 
 def scene_of(tmp_path: Path, more: str = "") -> Path:

@@ -15,16 +15,10 @@ from tactus.cli import train as command
 from tactus.errors import decisions_of
 from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene, load_scene
-from tactus.train.objective import Rows
+from tactus.train.objective import Rows, normal_equations
 from tactus.train.splines import search as splines
 from tactus.train.splines.network import CURVED, FLAT, STRAIGHT, Edges, SplineNetwork, starting
-from tactus.train.splines.objective import (
-    CrossEntropy,
-    SplineObjective,
-    Squares,
-    descend,
-    stopped_early,
-)
+from tactus.train.splines.objective import SplineObjective
 from tactus.train.splines.search import (
     SplineSettings,
     Stages,
@@ -73,53 +67,49 @@ def test_the_splines_are_those_of_scipy() -> None:
     np.testing.assert_allclose(BASIS.bends(x), expected.derivative(2)(x), atol=1e-11)
 
 
-@pytest.mark.parametrize("word_error", [0.0, 0.3])
+def aim_of(like: SplineNetwork, given: Rows, *penalties: float, freedom=None, word_error=0.0):
+    if freedom is None:
+        freedom = Edges.curved(like.shape).freedom(like)
+    return SplineObjective(like, given, given, 99, *penalties, freedom, word_error)
+
+
+@pytest.mark.parametrize(("word_error", "classes"), [(0.0, False), (0.3, False), (0.0, True)])
 @pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
-def test_derivatives_are_differences(kind: int, word_error: float) -> None:
-    like = network()
+def test_derivatives_are_differences(kind: int, word_error: float, classes: bool) -> None:
+    """The loss is the sum of squares or, for classes, the cross-entropy of the logits."""
+    like, given = network(outputs=3), rows(outputs=3)
+    if classes:
+        targets = np.eye(3)[np.random.default_rng(2).integers(0, 3, 40)]
+        given = replace(given, targets=targets, labelled=True)
     edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
     freedom = edges.freedom(like)
-    aim = SplineObjective(like, rows(), 0.3, 0.01, freedom, Squares(), word_error)
+    aim = aim_of(like, given, 0.3, 0.01, freedom=freedom, word_error=word_error)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     value, gradient, hessian = aim.value_gradient_hessian(point)
-    assert value == pytest.approx(aim.value(point))
+    outputs, slopes = (
+        aim.network(point).process(given.inputs),
+        differences(lambda p: aim.network(p).process(given.inputs), point),
+    )
+    if classes:
+        parts = np.exp(outputs) / np.exp(outputs).sum(axis=1, keepdims=True)
+        loss = -np.log(parts[given.targets == 1]).sum()
+        curves = [(np.diag(row) - np.outer(row, row)) / 2 for row in parts]
+    else:
+        loss = (((outputs - given.targets) / given.scale) ** 2).sum()
+        curves = [np.diag(1 / row**2) for row in given.scale]
     np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
+    assert value == pytest.approx(aim.value(point))
     if not word_error:
-        slopes = differences(lambda p: aim.errors(p).ravel(), point)
-        np.testing.assert_allclose(hessian, slopes @ slopes.T + aim.stiffness, atol=1e-6)
-
-
-@pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
-def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
-    like = network(outputs=3)
-    edges = Edges.curved(like.shape).with_kind(1, kind)
-    freedom = edges.freedom(like)
-    rng = np.random.default_rng(2)
-    targets = np.eye(3)[rng.integers(0, 3, 40)]
-    given = Rows(rng.uniform(-1, 1.5, (40, 3)), targets, np.ones_like(targets))
-    aim = SplineObjective(like, given, 0.3, 0.01, freedom, CrossEntropy())
-    point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
-    logits = aim.network(point).process(given.inputs)
-    parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
-    entropy = -np.log(parts[given.targets == 1]).sum()
-    assert aim.value(point) == pytest.approx(entropy + point @ aim.stiffness @ point)
-    value, gradient, hessian = aim.value_gradient_hessian(point)
-    assert value == pytest.approx(aim.value(point))
-    np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
-    expected = aim.stiffness.copy()
-    slopes = differences(lambda p: aim.network(p).process(given.inputs), point)
-    for row, by_row in zip(parts, np.moveaxis(slopes, 0, -1), strict=True):
-        expected += by_row.T @ (np.diag(row) - np.outer(row, row)) @ by_row / 2
-    np.testing.assert_allclose(hessian, expected, atol=1e-6)
+        assert value == pytest.approx(loss + point @ aim.stiffness @ point)
+        by_rows = zip(np.moveaxis(slopes, 0, -1), curves, strict=True)
+        expected = sum(by_row.T @ curve @ by_row for by_row, curve in by_rows) + aim.stiffness
+        np.testing.assert_allclose(hessian, expected, atol=1e-6)
 
 
 def test_errors_of_words_are_expected_in_the_objective() -> None:
     """The objective is what it is on average when the hidden sums of its rows are disturbed."""
     like, given, part = network(), rows(), 1e-3
-    freedom = np.eye(len(like.packed()))
-    plain, aim = (
-        SplineObjective(like, given, 0, 1e-6, freedom, Squares(), own) for own in (0.0, part)
-    )
+    plain, aim = (aim_of(like, given, 0, 1e-6, word_error=own) for own in (0.0, part))
     point = like.packed()
     sums = like.sums(like.spread(given.inputs))
     outputs = like.process(given.inputs)
@@ -133,17 +123,19 @@ def test_errors_of_words_are_expected_in_the_objective() -> None:
 
 def test_a_descent_ends_lower_and_early() -> None:
     like = network(2, 1)
-    freedom = Edges.curved(like.shape).freedom(like)
-    aim = SplineObjective(like, curve(60, 1), 1e-3, 1e-6, freedom, Squares())
-    start = like.packed()
-    assert aim.value(descend(aim, start, 50)) < 0.05 * aim.value(start)
-    np.testing.assert_array_equal(descend(aim, start, 0), start)
+    given, start = curve(60, 1), like.packed()
+    aim = aim_of(like, given, 1e-3, 1e-6)
+    end = normal_equations(aim, start, 50)
+    assert aim.value(end) < 0.05 * aim.value(start)
+    np.testing.assert_array_equal(normal_equations(aim, start, 0), start)
     # The other rows are those of the start, so any step leads away from them.
-    here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = SplineObjective(like, here, 0, 1e-6, freedom, Squares())
-    near = stopped_early(aim, start, 50, watched, 3)
-    assert aim.value(near) < aim.value(start)
-    assert watched.value(near) < watched.value(descend(aim, start, 50))
+    here = replace(given, targets=like.process(given.inputs))
+    watched = replace(aim, validation=here, patience=3)
+    seen = []
+    note = watched.note
+    watched.note = lambda value, point: (seen.append(point), note(value, point))
+    assert (watched.search(normal_equations, start, 50) == start).all()
+    assert 0 < len({point.tobytes() for point in seen}) < 50
 
 
 def test_a_law_is_learnt_and_pruned() -> None:
@@ -263,7 +255,7 @@ def test_sums_with_straight_functions_behind_them_become_one() -> None:
     edges = learned.edges
     edges = replace(edges, second=np.array([[STRAIGHT, CURVED, STRAIGHT, STRAIGHT]]))
     edges = replace(edges, first=np.where(np.eye(4, 3) > 0, FLAT, edges.first))
-    learned = learned.descended(edges, rows)
+    learned = learned.descended(edges, rows, rows)
     found = splines.merged(learned)
     assert found.network.shape == (3, 2, 1)
     assert found.edges.second.tolist() == [[STRAIGHT, CURVED]]

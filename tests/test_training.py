@@ -76,7 +76,7 @@ def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
         # There are more nodes than in the network that made the data, so no local minimum is in the
         # way.
         mlp = random_mlp((3, 6, 1), 1.0, start)
-        goal = Objective(mlp, tanh, data, data, 0.0, 10_000)
+        goal = Objective(mlp, data, data, 10_000, tanh, 0.0)
         OPTIMISERS[optimiser](goal, packed(mlp), 5000)
         return float(np.abs(unpacked(goal.best, mlp).process(inputs) - targets).max())
 
@@ -97,7 +97,7 @@ def test_scg_beyond_a_pole() -> None:
 
 def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
     mlp = random_mlp(SHAPE, 1.0, 1)
-    goal = Objective(mlp, tanh, rows(9), rows(5, 3), 0.0, 10_000)
+    goal = Objective(mlp, rows(9), rows(5, 3), 10_000, tanh, 0.0)
     start = packed(mlp)
     seen = []
     original = goal.residuals
@@ -112,10 +112,13 @@ def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
     lowest, errors = np.inf, []
     for vector in seen:
         mlp = unpacked(vector, goal.like)
-        value = float((goal.training.residuals(mlp, tanh) ** 2).sum())
+        value, held_back = (
+            float((part.errors(mlp.process(part.inputs)) ** 2).sum())
+            for part in (goal.training, goal.validation)
+        )
         if value < lowest:
             lowest = value
-            errors.append((float((goal.validation.residuals(mlp, tanh) ** 2).sum()), vector))
+            errors.append((held_back, vector))
     assert np.array_equal(goal.best, min(errors, key=lambda pair: pair[0])[1])
     assert not np.array_equal(goal.best, errors[-1][1]), "the data do not overfit: no proof"
 

@@ -67,7 +67,7 @@ def _linearised(scene: Scene) -> Iterator[tuple[Real, Real]]:
     for number, mlp in enumerate(scene.mlps()):
         inputs = np.hstack([vectors.inputs, *outputs])
         rows = Rows(inputs, vectors.targets[:, [number]], vectors.scale[:, [number]])
-        aim = Objective(mlp, tanh, rows, rows, 0.0, len(inputs))
+        aim = Objective(mlp, rows, rows, len(inputs), tanh, 0.0)
         point, count = packed(mlp), len(inputs)
         yield aim.jacobian(point)[:count], aim.residuals(point)[:count]
         outputs.append(mlp.process(inputs))
@@ -201,7 +201,7 @@ def _slope_at(scheme: Scheme, q: float, steep: float) -> float:
     """The derivative of the output by the bias of a node, as training computes it."""
     rows = Rows(np.array([[q / steep]]), np.zeros((1, 1)), np.ones((1, 1)))
     mlp = mlp_of(np.array([[steep]]), np.zeros(1), np.ones((1, 1)), np.zeros(1))
-    aim = Objective(mlp, scheme.real, rows, rows, 0.0, 1)
+    aim = Objective(mlp, rows, rows, 1, scheme.real, 0.0)
     return float(aim.jacobian(packed(mlp))[0, 1])
 
 

@@ -47,7 +47,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.signed_digits import digit_counts, nearest_with
 from golden.trained.dense import DenseNetwork, packed, tanh, unpacked
-from tactus.train.objective import LabelledRows, Objective, Rows
+from tactus.train.objective import Objective, Rows
 from tactus.train.task import Frames, Task, shift_biases, signed_errors
 
 # Number of different orders in which the weights are rounded; random factors on their costs make
@@ -163,12 +163,12 @@ class Rounding:
         """The error that is minimised: that of its training rows. Nothing ends it early."""
         activation = tanh if self.layered else self.task.scene.scheme.real
         rows = self._rows()
-        return Objective(self.network, activation, rows, rows, 0.0, sys.maxsize)
+        return Objective(self.network, rows, rows, sys.maxsize, activation, 0.0)
 
     @cached_property
     def unit(self) -> float:
         """The unit of prices: the error of the trained network, but at least that of an LSB."""
-        return max(self.value(self.start), float(SIGNAL.to_real(1)) ** 2)
+        return max(self.objective.value(self.start), float(SIGNAL.to_real(1)) ** 2)
 
     @property
     def hold(self) -> float:
@@ -179,18 +179,6 @@ class Rounding:
     def together(self) -> int:
         """How many weights are rounded at once."""
         return max(1, len(self.start) // ONE_BY_ONE) if self.layered else 1
-
-    def value(self, vector: Real) -> float:
-        residuals = self._residuals(vector)
-        return float(residuals @ residuals)
-
-    def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
-        """The error at a point, half its gradient, and half its Hessian by Gauss and Newton."""
-        if self.layered:
-            return self.value(vector), *self.objective.value_gradient_hessian(vector)
-        residuals = self._residuals(vector)
-        jacobian = self.objective.jacobian(vector)[: len(residuals)]
-        return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
 
     def rounded(self, count: int) -> Iterator[DenseNetwork]:
         """A network of ``count`` digits from each start; only the nearest if it has so few."""
@@ -216,10 +204,6 @@ class Rounding:
         if not self.task.scene.labels:
             network = shift_biases(self.task, network, self.frames)
         return self.grid.network(self.grid.rounded(packed(network)))
-
-    def _residuals(self, vector: Real) -> Real:
-        network = self.grid.network(vector)
-        return self.objective.training.residuals(network, self.objective.activation)
 
     def _rows(self) -> Rows:
         """``frames``, and frames between and just beyond recorded rows.
@@ -269,18 +253,18 @@ def refitted(aim: Rounding, vector: Real, free: NDArray[np.bool_]) -> tuple[Real
     inverted.
     """
     at = np.flatnonzero(free)
-    value, gradient, whole = aim.value_gradient_hessian(vector)
+    value, gradient, whole = aim.objective.value_gradient_hessian(vector)
     for _ in range(STEPS):
         for damping in DAMPING:
             moved = vector.copy()
             moved[at] -= np.linalg.solve(_damped(whole, at, damping), gradient[at])
             moved = aim.grid.within(moved)
-            if aim.value(moved) < value:
+            if aim.objective.value(moved) < value:
                 break
         else:
             break
         vector = moved
-        value, gradient, whole = aim.value_gradient_hessian(vector)
+        value, gradient, whole = aim.objective.value_gradient_hessian(vector)
     return vector, _damped(whole, at, aim.hold)
 
 
@@ -374,7 +358,7 @@ def at_most(
                 low = middle
                 continue
             high = middle
-            if best is None or aim.value(point) < aim.value(best[0]):
+            if best is None or aim.objective.value(point) < aim.objective.value(best[0]):
                 best = point, price
             if digits >= count * (1 - SLACK):
                 break
@@ -396,8 +380,8 @@ def errors_of(task: Task, network: DenseNetwork) -> Real:
     """
     frames = task.validation
     if task.scene.labels:
-        rows = LabelledRows(frames.inputs, frames.targets, frames.scale)
-        return np.array([(rows.residuals(network, task.scene.scheme.real) ** 2).mean()])
+        outputs = network.process(frames.inputs, task.scene.scheme.real)
+        return np.array([(frames.errors(outputs) ** 2).mean()])
     return np.abs(signed_errors(task, network, frames)).mean(axis=0)
 
 
@@ -454,5 +438,5 @@ def with_few_digits(
     for (own, network), part in zip(more, ("known", "every"), strict=True):
         aim = Rounding(own, network, part, importance, layered)
         # No rows are left to choose among the starts: the best on these rows is taken.
-        found.append(min(aim.rounded(count), key=lambda one: aim.value(packed(one))))
+        found.append(min(aim.rounded(count), key=lambda one: aim.objective.value(packed(one))))
     return found

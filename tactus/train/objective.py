@@ -6,6 +6,7 @@ Each descent gives the point that it reaches from a start in at most so many ste
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -16,63 +17,77 @@ from golden.trained.dense import Activation, DenseNetwork, unpacked
 
 @dataclass(frozen=True)
 class Rows:
-    """Some rows of the recorded vectors.
+    """Some rows of the recorded vectors, and what the outputs of a network cost on them.
 
     inputs: shape (rows, inputs).
     targets, scale, shape (rows, outputs): ``scale`` is the divisor of an error: the target or a
         full scale.
+    labelled: Whether the outputs are logits of classes, and the targets one-hot. Then the loss is
+        the cross-entropy; otherwise it is the sum of the squares of the scaled errors.
     """
 
     inputs: Real
     targets: Real
     scale: Real
+    labelled: bool = field(default=False, kw_only=True)
 
-    def residuals(self, network: DenseNetwork, activation: Activation) -> Real:
-        """The scaled errors of a network as a vector."""
-        return ((network.process(self.inputs, activation) - self.targets) / self.scale).ravel()
+    def errors(self, outputs: Real) -> Real:
+        """The numbers whose squares add up to the loss, shape (rows, n)."""
+        if not self.labelled:
+            return np.asarray((outputs - self.targets) / self.scale)
+        own = (outputs * self.targets).sum(axis=1, keepdims=True)
+        # One term of the sum is exp(0), so that no entropy is below 0.
+        return np.sqrt(np.logaddexp.reduce(outputs - own, axis=1))[:, np.newaxis]
+
+    def slopes(self, outputs: Real) -> Real:
+        """Half the gradient of the loss by the outputs, shape (rows, outputs)."""
+        if self.labelled:
+            return (probabilities(outputs) - self.targets) / 2
+        return self.errors(outputs) / self.scale
+
+    def roots(self, outputs: Real) -> Real:
+        """R of each row, shape (rows, n, outputs): half the curvature by the outputs is R' R.
+
+        With the probabilities p of a row, the curvature of the cross-entropy is diag(p) - p p' =
+        S S', with S = diag(sqrt p) - p sqrt(p)'.
+        """
+        if not self.labelled:
+            return (1 / self.scale)[..., np.newaxis] * np.eye(self.scale.shape[1])
+        parts = probabilities(outputs)
+        found = np.sqrt(parts)[:, np.newaxis, :]
+        back = np.swapaxes(found, 1, 2) * parts[:, np.newaxis, :]
+        return np.asarray(np.eye(parts.shape[1]) * found - back) / np.sqrt(2)
 
 
-@dataclass(frozen=True)
-class LabelledRows(Rows):
-    """Rows with one-hot targets.
-
-    The outputs are logits, and the residual of a row is the root of its cross-entropy. So the sum
-    of squares is the cross-entropy.
-    """
-
-    def residuals(self, network: DenseNetwork, activation: Activation) -> Real:
-        """The residual of each row."""
-        logits = network.process(self.inputs, activation)
-        return np.sqrt(entropies(logits, self.targets))
+def probabilities(logits: Real) -> Real:
+    """The probability of each class for each row (softmax of the logits), shape (rows, classes)."""
+    parts = np.exp(logits - logits.max(axis=1, keepdims=True))
+    return parts / parts.sum(axis=1, keepdims=True)
 
 
 class EarlyStop(Exception):  # noqa: N818, a signal, not an error
     """Ends a descent whose last points have not lowered the validation error."""
 
 
-Descend = Callable[["Objective", Real, int], Real]
+Descend = Callable[[Any, Real, int], Real]
 
 
 @dataclass
-class Objective:
-    """sum((y - t) / scale)**2 + weight_decay * sum(w**2) over the training rows.
+class Watched:
+    """A function of the weights of a network; it keeps the point that validation rows choose.
 
     Each point with a lower value than all before is also measured on the validation rows; ``best``
     is the point with the least error there. After ``patience`` such points without a new best one,
     ``EarlyStop`` ends the descent.
 
     like: A network with the layers that are trained.
-    activation: What the hardware computes in the place of tanh: value and slope.
-    weight_decay: Factor that keeps weights small, and with them Q_j and Y_i.
     """
 
-    like: DenseNetwork
-    activation: Activation
+    like: Any
     training: Rows
     validation: Rows
-    weight_decay: float
     patience: int
-    best: Real | None = None
+    best: Real | None = field(default=None, init=False)
     _lowest: float = field(default=np.inf, init=False)
     _least_validation: float = field(default=np.inf, init=False)
     _in_vain: int = field(default=0, init=False)
@@ -83,69 +98,88 @@ class Objective:
             descend(self, start, steps)
         return start if self.best is None else self.best
 
+    def outputs(self, vector: Real, inputs: Real) -> Real:
+        """The outputs of the network at a point."""
+        raise NotImplementedError
+
+    def note(self, value: float, vector: Real) -> None:
+        """Take notice of a point that a descent has come to."""
+        if not value < self._lowest:
+            return
+        self._lowest = value
+        errors = self.validation.errors(self.outputs(vector, self.validation.inputs)).ravel()
+        validation = float(errors @ errors)
+        if validation < self._least_validation:
+            self._least_validation, self._in_vain, self.best = validation, 0, vector.copy()
+            return
+        self._in_vain += 1
+        if self._in_vain == self.patience:
+            raise EarlyStop
+
+
+@dataclass
+class Objective(Watched):
+    """The loss on the training rows, plus ``weight_decay * sum(w**2)``.
+
+    activation: What the hardware computes in the place of tanh: value and slope.
+    weight_decay: Factor that keeps weights small, and with them Q_j and Y_i.
+    """
+
+    activation: Activation
+    weight_decay: float
+    # A descent by normal equations ends when less than this part of the value can be gained.
+    settled = 1e-12
+
     def network(self, vector: Real) -> DenseNetwork:
         return unpacked(vector, self.like)
 
+    def outputs(self, vector: Real, inputs: Real) -> Real:
+        return self.network(vector).process(inputs, self.activation)
+
     def residuals(self, vector: Real) -> Real:
-        """Scaled errors, then the weights times the root of the decay."""
-        network = self.network(vector)
-        errors = self.training.residuals(network, self.activation)
-        result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
-        value = float(result @ result)
-        if value < self._lowest:
-            self._lowest = value
-            held_back = self.validation.residuals(network, self.activation)
-            validation = float(held_back @ held_back)
-            if validation < self._least_validation:
-                self._least_validation = validation
-                self._in_vain = 0
-                self.best = vector.copy()
-            else:
-                self._in_vain += 1
-                if self._in_vain == self.patience:
-                    raise EarlyStop
+        """The errors of the loss, then the weights times the root of the decay."""
+        errors = self.training.errors(self.outputs(vector, self.training.inputs))
+        result = np.concatenate([errors.ravel(), np.sqrt(self.weight_decay) * vector])
+        self.note(float(result @ result), vector)
         return result
 
+    def value(self, vector: Real) -> float:
+        residuals = self.residuals(vector)
+        return float(residuals @ residuals)
+
     def jacobian(self, vector: Real) -> Real:
-        """Derivatives of the residuals, shape (residuals, weights)."""
+        """Derivatives of the residuals of squares, shape (residuals, weights)."""
         scale = self.training.scale
-        rows, outputs = scale.shape
-        back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
-        result = self._derivatives(self.network(vector), back) / scale[:, :, np.newaxis]
+        found, at = np.empty((*scale.shape, len(vector))), 0
+        ones = np.broadcast_to(np.eye(scale.shape[1]), (*scale.shape, scale.shape[1]))
+        for inputs, own in self._backward(vector, lambda _: ones):
+            shape = *own.shape, inputs.shape[1]
+            biases = at + shape[2] * shape[3]
+            # A view, so that the products of many rows are written once.
+            weights = found[..., at:biases].reshape(shape)
+            np.multiply(own[..., np.newaxis], inputs[:, np.newaxis, np.newaxis, :], out=weights)
+            at = biases + shape[2]
+            found[..., biases:at] = own
         decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
-        return np.concatenate([result.reshape(-1, len(vector)), decay])
+        return np.concatenate([(found / scale[..., np.newaxis]).reshape(-1, len(vector)), decay])
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         """Value and gradient; the gradient comes from propagating the errors back."""
-        residuals = self.residuals(vector)
-        scale = self.training.scale
-        back = residuals[: scale.size].reshape(scale.shape) / scale
-        gradient = self._gradient(self.network(vector), back)
-        return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
+        return self.value(vector), 2 * self._gradient(vector)
 
-    def curvature(self, vector: Real) -> Real:
-        """The Gauss-Newton matrix of the value, by the faster way to it."""
-        scale = self.training.scale
-        if scale.shape[1] == 1:
-            slopes = self._derivatives(self.network(vector), 1 / scale[..., np.newaxis])[:, 0]
-            hessian = slopes.T @ slopes
-        else:
-            hessian = self.value_gradient_hessian(vector)[1]
-        return 2 * (hessian + self.weight_decay * np.eye(len(vector)))
+    def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
+        """The value, half its gradient and half its Hessian.
 
-    def value_gradient_hessian(self, vector: Real) -> tuple[Real, Real]:
-        """Half the gradient of the squares, without the decay, and half their Hessian.
-
-        The Hessian is that of Gauss and Newton, J' J for the derivatives J of the residuals. The
-        derivative by a weight is a product of what comes in front of the weight and of what follows
-        it. So the sums over the outputs and over the rows are two smaller products, and J itself,
-        which would be large, is not needed.
+        The Hessian is that of Gauss and Newton: the curvature of the loss by the outputs, carried
+        to the weights by the derivatives of the outputs. The derivative by a weight is a product
+        of what comes in front of the weight and of what follows it. So the sums over the outputs
+        and over the rows are two smaller products, and the Jacobian, which would be large, is not
+        needed.
         """
-        network, scale = self.network(vector), self.training.scale
-        ones = np.ones((len(scale), 1))
+        count = len(self.training.inputs)
         parts = [
-            (back, np.concatenate([inputs, ones], axis=1))
-            for inputs, back in self._backward(network, np.eye(scale.shape[1]) / scale[..., None])
+            (back, np.concatenate([inputs, np.ones((count, 1))], axis=1))
+            for inputs, back in self._backward(vector, self.training.roots)
         ]
         rows = []
         for back, before in parts:
@@ -153,7 +187,7 @@ class Objective:
             for other, earlier in parts:
                 nodes = np.einsum("roa,rob->rab", back, other, optimize=True)
                 inputs = before[:, :, np.newaxis] * earlier[:, np.newaxis, :]
-                block = nodes.reshape(len(scale), -1).T @ inputs.reshape(len(scale), -1)
+                block = nodes.reshape(count, -1).T @ inputs.reshape(count, -1)
                 shape = back.shape[2], other.shape[2], before.shape[1], earlier.shape[1]
                 block = np.swapaxes(block.reshape(shape), 1, 2)
                 blocks.append(block.reshape(shape[0] * shape[2], -1))
@@ -166,107 +200,36 @@ class Objective:
             order += [places[:, :-1].ravel(), places[:, -1]]
             at += nodes * inputs
         places = np.concatenate(order)
-        errors = (
-            network.process(self.training.inputs, self.activation) - self.training.targets
-        ) / (scale**2)
         hessian: Real = np.concatenate(rows)[np.ix_(places, places)]
-        return self._gradient(network, errors), hessian
+        hessian += self.weight_decay * np.eye(len(vector))
+        return self.value(vector), self._gradient(vector), hessian
 
-    def _derivatives(self, network: DenseNetwork, back: Real) -> Real:
-        """Derivatives of every residual of a row by the weights, shape (rows, residuals, weights).
-
-        ``back`` has those by the outputs, shape (rows, residuals, outputs).
-        """
-        sums = self._backward(network, back)
-        size = sum(own.shape[2] * (inputs.shape[1] + 1) for inputs, own in sums)
-        found, at = np.empty((*back.shape[:2], size)), 0
-        for inputs, own in sums:
-            shape = *own.shape, inputs.shape[1]
-            biases = at + shape[2] * shape[3]
-            # A view, so that the products of many rows are written once.
-            weights = found[..., at:biases].reshape(shape)
-            np.multiply(own[..., np.newaxis], inputs[:, np.newaxis, np.newaxis, :], out=weights)
-            at = biases + shape[2]
-            found[..., biases:at] = own
-        return found
-
-    def _gradient(self, network: DenseNetwork, back: Real) -> Real:
-        """The sum over the rows of the derivatives by the weights.
-
-        ``back`` has those by the outputs, shape (rows, outputs).
-        """
+    def _gradient(self, vector: Real) -> Real:
+        """Half the gradient of the value."""
         found: list[Real] = []
-        for inputs, own in self._backward(network, back):
+        for inputs, own in self._backward(vector, self.training.slopes):
             found += [(own.T @ inputs).ravel(), own.sum(axis=0)]
-        return np.concatenate(found)
+        return np.concatenate(found) + self.weight_decay * vector
 
-    def _backward(self, network: DenseNetwork, back: Real) -> list[tuple[Real, Real]]:
-        """For each layer its inputs, and the derivatives by its sums.
+    def _backward(
+        self, vector: Real, by_outputs: Callable[[Real], Real]
+    ) -> list[tuple[Real, Real]]:
+        """For each layer its inputs on the training rows, and the derivatives by its sums.
 
-        ``back`` has those by the outputs, shape (rows, outputs) or (rows, residuals, outputs).
+        ``by_outputs`` makes those by the outputs of the outputs, shape (rows, outputs) or (rows,
+        residuals, outputs).
         """
         value, forward = self.training.inputs, []
-        for layer in network.layers:
+        for layer in self.network(vector).layers:
             inputs = value
-            value, slope = layer.activate(inputs @ layer.weights.T + layer.biases, self.activation)
+            value, slope = layer.activate(layer.sums(inputs), self.activation)
             forward.append((layer, inputs, slope))
-        found: list[tuple[Real, Real]] = []
+        back, found = by_outputs(value), list[tuple[Real, Real]]()
         for layer, inputs, slope in reversed(forward):
             back = back * (slope if back.ndim == slope.ndim else slope[:, np.newaxis, :])
             found.insert(0, (inputs, back))
             back = back @ layer.weights
         return found
-
-
-class ClassObjective(Objective):
-    """The cross-entropy of labelled rows, plus ``weight_decay`` times the sum of squared weights.
-
-    ``training`` and ``validation`` are ``LabelledRows``.
-    """
-
-    def curvature(self, vector: Real) -> Real:
-        """The generalised Gauss-Newton matrix of the value, shape (weights, weights).
-
-        The second derivatives by the logits are carried to the weights; see ``curvature_roots``.
-        """
-        network = self.network(vector)
-        back = curvature_roots(self._probabilities(network))
-        slopes = self._derivatives(network, back).reshape(-1, len(vector))
-        return slopes.T @ slopes + 2 * self.weight_decay * np.eye(len(vector))
-
-    def evaluate(self, vector: Real) -> tuple[float, Real]:
-        residuals = self.residuals(vector)
-        network = self.network(vector)
-        # The derivative of the cross-entropy by the logits is probability minus target.
-        gradient = self._gradient(network, self._probabilities(network) - self.training.targets)
-        return float(residuals @ residuals), gradient + 2 * self.weight_decay * vector
-
-    def _probabilities(self, network: DenseNetwork) -> Real:
-        """The probability of each class for each training row, shape (rows, classes)."""
-        return probabilities(network.process(self.training.inputs, self.activation))
-
-
-def probabilities(logits: Real) -> Real:
-    """The probability of each class for each row (softmax of the logits), shape (rows, classes)."""
-    parts = np.exp(logits - logits.max(axis=1, keepdims=True))
-    return parts / parts.sum(axis=1, keepdims=True)
-
-
-def entropies(logits: Real, targets: Real) -> Real:
-    """The cross-entropy of each row with one-hot targets, shape (rows,)."""
-    own = (logits * targets).sum(axis=1, keepdims=True)
-    # One term of the sum is exp(0), so that no result is below 0.
-    return np.logaddexp.reduce(logits - own, axis=1)
-
-
-def curvature_roots(parts: Real) -> Real:
-    """Roots of the second derivatives by the logits, shape (rows, classes, classes).
-
-    With the probabilities p of a row, these are diag(p) - p p' = S S', with
-    S = diag(sqrt p) - p sqrt(p)'. The result is S' of each row.
-    """
-    roots = np.sqrt(parts)[:, np.newaxis, :]
-    return np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]
 
 
 Evaluate = Callable[[Real], tuple[float, Real]]
@@ -283,13 +246,10 @@ def levenberg_marquardt(objective: Objective, start: Real, steps: int) -> Real:
 # The first damping and the least one, as a part of the largest curvature along a weight.
 FIRST_DAMPING = 1e-2
 LEAST_DAMPING = 1e-12
-# A descent ends when a step would change the value by less than this part of it, and SCG only when
-# no coordinate moves by more either.
-TOLERANCE = 1e-12
 
 
-def normal_equations(objective: Objective, start: Real, steps: int) -> Real:
-    """Levenberg-Marquardt by normal equations, for classes and for many rows.
+def normal_equations(objective: Any, start: Real, steps: int) -> Real:
+    """Levenberg-Marquardt by normal equations, for classes, many rows and learned functions.
 
     MINPACK's, which trains networks for numbers on fewer rows, minimises a sum of squares, and
     takes the curvature of a square from the slope of its residual alone. The cross-entropy of a row
@@ -302,23 +262,22 @@ def normal_equations(objective: Objective, start: Real, steps: int) -> Real:
     The damping follows K. Madsen, H. B. Nielsen and O. Tingleff, "Methods for non-linear least
     squares problems", Technical University of Denmark, second edition, 2004, algorithm 3.16.
 
+    objective: An ``Objective`` or a ``SplineObjective``.
     steps: The most evaluations.
     """
-    point = start
-    value, gradient = objective.evaluate(point)
-    curvature = objective.curvature(point)
-    damping, growth = FIRST_DAMPING * float(curvature.diagonal().max()), 2.0
+    point, growth = start, 2.0
+    value, gradient, curvature = objective.value_gradient_hessian(point)
+    damping = FIRST_DAMPING * float(curvature.diagonal().max())
     for _ in range(steps - 1):
         damping = max(damping, LEAST_DAMPING * float(curvature.diagonal().max()))
         step = -np.linalg.solve(curvature + damping * np.eye(len(point)), gradient)
-        expected = -float(step @ (gradient + curvature @ step / 2))
-        if expected <= TOLERANCE * value:
+        expected = -float(step @ (2 * gradient + curvature @ step))
+        if expected <= objective.settled * value:
             break
-        found, slope = objective.evaluate(point + step)
-        gain = (value - found) / expected
+        gain = (value - objective.value(point + step)) / expected
         if gain > 0:
-            point, value, gradient = point + step, found, slope
-            curvature = objective.curvature(point)
+            point = point + step
+            value, gradient, curvature = objective.value_gradient_hessian(point)
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             growth = 2.0
         else:
@@ -327,6 +286,8 @@ def normal_equations(objective: Objective, start: Real, steps: int) -> Real:
     return point
 
 
+# SCG ends when a step changes the value by less than this part of it, and no coordinate by more.
+TOLERANCE = 1e-12
 SIGMA = 1e-4  # length of the difference that measures curvature, for a direction of length 1
 SCALE_RANGE = (1e-15, 1e100)
 

@@ -24,13 +24,7 @@ from golden.trained.function import Function, by_name, functions_of
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
 from tactus.train.few_digits import with_few_digits
-from tactus.train.objective import (
-    OPTIMISERS,
-    ClassObjective,
-    LabelledRows,
-    Objective,
-    normal_equations,
-)
+from tactus.train.objective import OPTIMISERS, Objective, normal_equations
 from tactus.train.task import Frames, Task, as_read, bit_true_error, shift_biases, task_for
 
 # With more recorded rows than this there are many: candidates are compared on a part of them.
@@ -116,17 +110,17 @@ def descended(task: Task, start: Any, training: Frames, validation: Frames) -> A
     scene, settings = task.scene, task.scene.training
     normal, plain = task.normal, [Scale()] * start.shape[-1]
     like = on_signals(start, normal, plain)
-    rows: Any = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
-    kind: type[Objective] = Objective
-    if scene.labels:
-        kind, rows = ClassObjective, [LabelledRows(f.inputs, f.targets, f.scale) for f in rows]
+    rows, held_back = (
+        replace(part, inputs=signals(part.inputs, normal)) for part in (training, validation)
+    )
     optimise: Any = OPTIMISERS[settings.optimiser]
     if (scene.labels or has_many_rows(scene)) and settings.optimiser == "levenberg-marquardt":
         optimise = normal_equations
     alone = scene.labels or (has_layers(scene) and not has_many_rows(scene))
     point = packed(like)
     for activation in dict.fromkeys((tanh,) if alone else (tanh, scene.scheme.real)):
-        aim = kind(like, activation, rows[0], rows[1], settings.weight_decay, settings.patience)
+        watched = like, rows, held_back, settings.patience
+        aim = Objective(*watched, activation, settings.weight_decay)
         point = aim.search(optimise, point, settings.steps)
     network = on_readings(unpacked(point, like), normal, plain)
     return network if scene.labels else shift_biases(task, network, training)

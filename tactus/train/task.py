@@ -47,7 +47,8 @@ class Frames(Rows):
     codes: Codes
 
     def take(self, rows: NDArray[np.int64]) -> Frames:
-        return Frames(self.inputs[rows], self.targets[rows], self.scale[rows], self.codes[rows])
+        names = "inputs", "targets", "scale", "codes"
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,10 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[DenseNetwork]) ->
     sensors = [tap.sensor for tap in scene.window.taps]
 
     def frames(codes: Codes, rows: NDArray[np.int64]) -> Frames:
-        return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
+        found = _seen(scene, codes, earlier)
+        return Frames(
+            targets=targets[rows], scale=scale[rows], labelled=bool(scene.labels), **found
+        )
 
     def disturbed(part: str) -> Frames:
         rows = split.rows(part, len(targets))

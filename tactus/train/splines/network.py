@@ -45,7 +45,9 @@ class SplineNetwork:
 
     def spread(self, frames: ArrayLike) -> Real:
         """The splines of all inputs at each frame, shape (frames, inputs * splines)."""
-        return spread(self.bases, np.asarray(frames, dtype=np.float64))
+        columns = np.asarray(frames, dtype=np.float64).T
+        splines = (basis.at(column)[0] for basis, column in zip(self.bases, columns, strict=True))
+        return np.concatenate(list(splines), axis=1)
 
     def sums(self, spread: Real) -> Real:
         """The hidden sums of frames that ``spread`` has turned into splines."""
@@ -54,7 +56,11 @@ class SplineNetwork:
 
     def process(self, frames: ArrayLike) -> Real:
         """Outputs, shape (frames, outputs), of frames, shape (frames, inputs)."""
-        values, _ = self.hidden.at(self.sums(self.spread(frames)))
+        return self.from_sums(self.sums(self.spread(frames)))
+
+    def from_sums(self, sums: Real) -> Real:
+        """Outputs of the hidden sums of frames."""
+        values, _ = self.hidden.at(sums)
         return np.asarray(np.einsum("rhk,ohk->ro", values, self.second) + self.biases)
 
     def packed(self) -> Real:
@@ -70,13 +76,6 @@ class SplineNetwork:
             second=second.reshape(self.second.shape),
             biases=biases,
         )
-
-
-def spread(bases: Sequence[Basis], frames: Real) -> Real:
-    """The splines of all inputs at each frame, shape (frames, inputs * splines)."""
-    return np.concatenate(
-        [basis.at(column)[0] for basis, column in zip(bases, frames.T, strict=True)], axis=1
-    )
 
 
 def starting(

@@ -1,6 +1,6 @@
-"""The function that training minimises for a network of learned functions, and its descent."""
+"""The function that training minimises for a network of learned functions."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.numbers.real import Real
-from tactus.train.objective import Rows, curvature_roots, entropies, probabilities
+from tactus.train.objective import Watched
 from tactus.train.splines.network import SplineNetwork
 
 
@@ -67,50 +67,12 @@ class WordErrors:
         return np.asarray(found)
 
 
-# Below this a probability counts as this, so that it has an inverse.
-LEAST_PROBABILITY = 1e-300
-
-
-class Squares:
-    """The squares of the scaled errors: ``sum(((y - t) / scale)**2)``."""
-
-    def errors(self, outputs: Real, rows: Rows) -> Real:
-        """The numbers whose squares add up to the loss, some for each row."""
-        return np.asarray((outputs - rows.targets) / rows.scale)
-
-    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
-        """Misses m and roots R of each row, shapes (rows, n) and (rows, n, outputs).
-
-        By the outputs, half the gradient of the loss is R' m, and half its curvature is R' R.
-        """
-        weight = 1 / rows.scale
-        return self.errors(outputs, rows), weight[..., np.newaxis] * np.eye(weight.shape[1])
-
-
-class CrossEntropy(Squares):
-    """The cross-entropy of outputs that are logits, with one-hot targets.
-
-    Its curvature by the logits is carried to the parameters by their first derivatives alone (the
-    generalised Gauss-Newton matrix), as for MLPs in ``tactus.train.objective``.
-    """
-
-    def errors(self, outputs: Real, rows: Rows) -> Real:
-        return np.sqrt(entropies(outputs, rows.targets))[:, np.newaxis]
-
-    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
-        # The gradient is S m with m = (p - t) / sqrt(p), since sqrt(p)' m is 0.
-        parts = np.maximum(probabilities(outputs), LEAST_PROBABILITY)
-        misses = (parts - rows.targets) / np.sqrt(parts)
-        return misses / np.sqrt(2), curvature_roots(parts) / np.sqrt(2)
-
-
-@dataclass(frozen=True)
-class SplineObjective:
+@dataclass
+class SplineObjective(Watched):
     """The loss of the outputs on the training rows, and penalties.
 
     Where the words of hidden sums are not exact, the errors that come from them are added.
 
-    like: A network with the splines that are trained.
     bend: Factor of the squared second differences of the coefficients of each function, which keeps
         functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
     size: Factor of the squared coefficients.
@@ -119,21 +81,20 @@ class SplineObjective:
     word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
-    like: SplineNetwork
-    rows: Rows
     bend: float
     size: float
     freedom: Real
-    loss: Squares
     word_error: float = 0.0
+    # See ``normal_equations``.
+    settled = 1e-5
 
     @cached_property
     def _spread(self) -> Real:
-        return self.like.spread(self.rows.inputs)
+        return self.like.spread(self.training.inputs)
 
     @cached_property
     def _words(self) -> WordErrors:
-        return WordErrors(self.word_error, self._spread, self.rows.scale)
+        return WordErrors(self.word_error, self._spread, self.training.scale)
 
     @cached_property
     def stiffness(self) -> Real:
@@ -150,20 +111,19 @@ class SplineObjective:
         return np.asarray(self.freedom.T @ whole @ self.freedom)
 
     def network(self, parameters: Real) -> SplineNetwork:
-        return self.like.unpacked(self.freedom @ parameters)
+        network: SplineNetwork = self.like.unpacked(self.freedom @ parameters)
+        return network
 
-    def errors(self, parameters: Real) -> Real:
-        """The numbers whose squares add up to the loss; see ``Squares.errors``."""
-        network = self.network(parameters)
-        values, _ = network.hidden.at(network.sums(self._spread))
-        return self.loss.errors(_outputs(network, values), self.rows)
+    def outputs(self, vector: Real, inputs: Real) -> Real:
+        return self.network(vector).process(inputs)
 
     def value(self, parameters: Real) -> float:
-        found = float(
-            (self.errors(parameters) ** 2).sum() + parameters @ self.stiffness @ parameters
-        )
+        network = self.network(parameters)
+        errors = self.training.errors(network.from_sums(network.sums(self._spread)))
+        found = float((errors**2).sum() + parameters @ self.stiffness @ parameters)
         if self.word_error:
-            found += self._words.value(self.network(parameters))
+            found += self._words.value(network)
+        self.note(found, parameters)
         return found
 
     @cached_property
@@ -192,17 +152,19 @@ class SplineObjective:
     def value_gradient_hessian(self, parameters: Real) -> tuple[float, Real, Real]:
         """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
 
-        The gradient of the loss is J' m, and its Hessian J' J, where m are the misses, and J has
-        the derivatives of the outputs by the parameters, times the roots of the loss. In a
-        row, each column of J is the derivative of a hidden sum, or of an output, by a parameter of
-        its own, times a factor for each miss. So J' J is made of blocks.
+        The Hessian of the loss is J' J, where J has the derivatives of the outputs by the
+        parameters, times the roots of the loss. In a row, each column of J is the derivative of a
+        hidden sum, or of an output, by a parameter of its own, times a factor for each root. So J'
+        J is made of blocks.
         """
         network = self.network(parameters)
-        values, slopes = network.hidden.at(network.sums(self._spread))
-        misses, roots = self.loss.value_gradient_hessian(_outputs(network, values), self.rows)
+        sums = network.sums(self._spread)
+        values, slopes = network.hidden.at(sums)
+        outputs = network.from_sums(sums)
         through = np.einsum("rhk,ohk->roh", slopes, network.second, optimize=True)
+        roots, pulls = self.training.roots(outputs), self.training.slopes(outputs)
         factors = np.concatenate([roots @ through, roots], axis=2)
-        pulls = np.einsum("rqn,rq->rn", factors, misses)
+        pulls = np.concatenate([np.einsum("ro,roh->rh", pulls, through), pulls], axis=1)
         matrices = [*self._inputs, *self._values(values)]
         gradient, hessian = self.stiffness @ parameters, self.stiffness.copy()
         for n, (own, matrix) in enumerate(zip(self._places, matrices, strict=True)):
@@ -214,7 +176,7 @@ class SplineObjective:
                 if k < n:
                     hessian[np.ix_(other, own)] += block.T
         if self.word_error:
-            pushed, curved = self._words.value_gradient_hessian(self.network(parameters))
+            pushed, curved = self._words.value_gradient_hessian(network)
             gradient += self.freedom.T @ pushed
             hessian += self.freedom.T @ curved @ self.freedom
         return self.value(parameters), gradient, hessian
@@ -227,64 +189,3 @@ class SplineObjective:
             mine = flat @ self.freedom[start:end, own[:-1]]
             yield np.append(mine, np.ones((len(flat), 1)), axis=1)
             start = end
-
-
-def _outputs(network: SplineNetwork, values: Real) -> Real:
-    return np.asarray(np.einsum("rhk,ohk->ro", values, network.second) + network.biases)
-
-
-# The damping as a part of the diagonal: at the start, its least, and that at which no step helps.
-DAMPING, LEAST, MOST = 1e-3, 1e-12, 1e8
-UP, DOWN = 4.0, 5.0
-# A descent ends when a step gains less than this part of the function.
-SETTLED = 1e-5
-ROUNDING = 1e-12
-
-
-def stopped_early(
-    objective: SplineObjective, start: Real, steps: int, validation: SplineObjective, patience: int
-) -> Real:
-    """The point of a descent that has the least error on the rows of ``validation``.
-
-    After ``patience`` points without a new best one the descent ends.
-    """
-    best, least, in_vain = start, np.inf, 0
-
-    def seen(point: Real) -> bool:
-        nonlocal best, least, in_vain
-        error = float((validation.errors(point) ** 2).sum())
-        if error < least:
-            best, least, in_vain = point, error, 0
-        else:
-            in_vain += 1
-        return in_vain >= patience
-
-    descend(objective, start, steps, seen)
-    return best
-
-
-def descend(
-    objective: SplineObjective,
-    start: Real,
-    steps: int,
-    over: Callable[[Real], bool] = lambda point: False,
-) -> Real:
-    """The point that at most ``steps`` evaluations reach from ``start``, until it is ``over``."""
-    point, damping = start, DAMPING
-    value, gradient, hessian = objective.value_gradient_hessian(point)
-    for _ in range(steps):
-        scale = hessian.diagonal()
-        held = hessian + np.diag(damping * scale + ROUNDING * scale.max())
-        moved = point - np.linalg.solve(held, gradient)
-        new = objective.value(moved)
-        if not new < value:
-            damping *= UP
-            if damping > MOST:
-                break
-            continue
-        settled = value - new < SETTLED * value
-        point, damping = moved, max(damping / DOWN, LEAST)
-        if over(point) or settled:
-            break
-        value, gradient, hessian = objective.value_gradient_hessian(point)
-    return point

@@ -29,7 +29,7 @@ from golden.trained.spline_basis import Basis
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings
 from tactus.train import search
-from tactus.train.objective import Rows
+from tactus.train.objective import Rows, normal_equations
 from tactus.train.search import Result
 from tactus.train.splines.network import (
     CURVED,
@@ -40,13 +40,7 @@ from tactus.train.splines.network import (
     bends,
     starting,
 )
-from tactus.train.splines.objective import (
-    CrossEntropy,
-    SplineObjective,
-    Squares,
-    descend,
-    stopped_early,
-)
+from tactus.train.splines.objective import SplineObjective
 from tactus.train.task import Frames, Task, as_read, bit_true_error, shift_biases
 
 # Intervals of the splines of a hidden sum.
@@ -83,20 +77,15 @@ def choices(scene: Scene) -> list[tuple[int, float, int]]:
 def train(task: Task, layers: tuple[int], number: int) -> Learned:
     (hidden,) = layers
     intervals, bend, start = choices(task.scene)[number]
-    own = task.scene.training
+    scene, own = task.scene, task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    loss, word_error = _aim(task.scene, task.training.inputs.shape[1])
-    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss, word_error)
+    word_error = 0.0
+    if not scene.labels:
+        inputs, design = task.training.inputs.shape[1], DESIGNS.get(scene.design, Design)
+        word_error = design.word_error(inputs, scene.design_options)
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, word_error)
     return trained(settings, rng, task.training, task.validation)
-
-
-def _aim(scene: Scene, inputs: int) -> tuple[Squares, float]:
-    """What a training minimises, and how far hidden words are from their sums."""
-    if scene.labels:
-        return CrossEntropy(), 0.0
-    design = DESIGNS.get(scene.design, Design)
-    return Squares(), design.word_error(inputs, scene.design_options)
 
 
 def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
@@ -167,7 +156,6 @@ class SplineSettings:
     bend, size: See ``SplineObjective``; ``bend`` is for as many rows as train.
     steps, patience: The most evaluations of a descent, and how many points without a better one end
         it.
-    loss: What the outputs cost on rows.
     word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
@@ -178,7 +166,6 @@ class SplineSettings:
     size: float = SIZE
     steps: int = STEPS
     patience: int = PATIENCE
-    loss: Squares = field(default_factory=Squares)
     word_error: float = 0.0
 
 
@@ -205,24 +192,18 @@ class Learned:
 
     def error(self, rows: Rows) -> float:
         """The root of its mean loss for each row."""
-        errors = self.settings.loss.errors(self.process(rows.inputs), rows)
+        errors = rows.errors(self.process(rows.inputs))
         return float(np.sqrt((errors**2).sum() / len(errors)))
 
-    def descended(self, edges: Edges, rows: Rows, validation: Rows | None = None) -> Learned:
-        """Trained further on rows, with these edges; with ``validation`` it may stop early."""
-        freedom = edges.freedom(self.network)
-        settings = self.settings
-        bend = settings.bend * len(rows.inputs) / self.rows
-        aim = SplineObjective(
-            self.network, rows, bend, settings.size, freedom, settings.loss, settings.word_error
-        )
+    def descended(self, edges: Edges, rows: Rows, validation: Rows) -> Learned:
+        """Trained further on rows, with these edges, until the error on others falls no more."""
+        freedom, own = edges.freedom(self.network), self.settings
+        bend = own.bend * len(rows.inputs) / self.rows
+        watched = self.network, rows, validation, own.patience
+        aim = SplineObjective(*watched, bend, own.size, freedom, own.word_error)
         start: Real = np.asarray(np.linalg.lstsq(freedom, self.network.packed())[0], np.float64)
-        if validation is None:
-            point = descend(aim, start, settings.steps)
-        else:
-            held_back = replace(aim, rows=validation)
-            point = stopped_early(aim, start, settings.steps, held_back, settings.patience)
-        return Learned(aim.network(point), edges, self.settings, self.rows)
+        point = aim.search(normal_equations, start, own.steps)
+        return replace(self, network=aim.network(point), edges=edges)
 
 
 def trained(
@@ -246,7 +227,7 @@ def trained(
 
 def refitted(learned: Learned, rows: Rows) -> Learned:
     """Trained further on more rows, with the same edges."""
-    return learned.descended(learned.edges, rows)
+    return learned.descended(learned.edges, rows, rows)
 
 
 def pruned(
@@ -261,9 +242,7 @@ def pruned(
     """
     allowed = COST * error(learned, validation)
     present = learned.error(training)
-    _, roots = learned.settings.loss.value_gradient_hessian(
-        learned.process(training.inputs), training
-    )
+    roots = training.roots(learned.process(training.inputs))
     # The matrices of each row turn what the outputs change into what the loss does.
     straight, flat = (
         np.sqrt((np.einsum("rqo,ero->erq", roots, change) ** 2).sum(axis=(1, 2)) / len(roots))
