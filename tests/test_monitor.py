@@ -28,9 +28,8 @@ from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
-from tactus.monitor.line import SerialLine
+from tactus.monitor.line import Line, SerialLine
 from tactus.monitor.monitor import HEAD, PAUSE, Monitor, csv_columns
-from tactus.monitor.ports import Line
 from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard
 from tactus.scene import Scene, load_scene

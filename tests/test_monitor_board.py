@@ -22,9 +22,8 @@ from tactus.monitor import load as loading
 from tactus.monitor import record as recording
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
-from tactus.monitor.line import SerialLine
+from tactus.monitor.line import SerialLine, open_line
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.ports import open_line
 from tactus.monitor.record import read_label, typed
 from tactus.monitor.twin_board import TwinBoard, nearest_row
 from tactus.network_files.network_file import write_network
@@ -67,7 +66,7 @@ def test_a_board_that_refuses_an_image_is_told(hardware: Scene) -> None:
 
 def test_a_line_that_is_cut_is_told(hardware: Scene, tmp_path: Path) -> None:
     board = Board(hardware, hardware)
-    with Cable(TwinBoard(hardware, 1000.0), tmp_path) as cable:
+    with Cable(TwinBoard(hardware, 1000.0, 500), tmp_path) as cable:
         for ask in (loading.load, lambda line, board: recording.gather(line, board, 4)):
             with SerialLine(cable.port, BAUD) as line:
                 cable.cut()
@@ -120,7 +119,7 @@ def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
 
 @pytest.fixture
 def cable(hardware: Scene, tmp_path: Path) -> Iterator[Cable]:
-    with Cable(TwinBoard(hardware, 1000.0), tmp_path) as found:
+    with Cable(TwinBoard(hardware, 1000.0, 500), tmp_path) as found:
         yield found
 
 

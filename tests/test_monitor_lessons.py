@@ -336,6 +336,9 @@ def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
 
 
 WRONG = {
+    "no texts": ({"known": {"load": 0.5}}, "known: got {'load': 0.5}, expected a text for each"),
+    "no names": ({"known": ["0.5"]}, "known: got ['0.5'], expected a text for each output"),
+    "no wish": ({"learn": "yes"}, "learn: got 'yes', expected true or false"),
     "missing": (
         {"known": {"load": "0"}},
         "position: got nothing, expected a number from -1.0000",

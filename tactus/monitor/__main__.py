@@ -11,10 +11,10 @@ from tactus.core.commands import arguments_of, option
 from tactus.core.progress import CLEAR
 from tactus.monitor.board import board_of
 from tactus.monitor.csv_file import GrowingCsv
-from tactus.monitor.lessons import Tour
+from tactus.monitor.lessons import tour_of
+from tactus.monitor.line import open_line
 from tactus.monitor.load import load
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.ports import open_line
 from tactus.monitor.server import Server
 from tactus.monitor.twin_board import TWIN, TwinBoard
 from tactus.scene.disturbance import MOST, Disturbance
@@ -71,7 +71,7 @@ def main() -> None:
         terminal = Terminal(arguments.seconds)
         monitor = terminal.monitor = Monitor(board, terminal.say, csv)
         if monitor.lessons and isinstance(line, TwinBoard):
-            monitor.lessons.tour = Tour(board, line)
+            monitor.lessons.tour = tour_of(board, line)
         title = f"tactus: {board.scene.name} on {line.label}"
         server = stack.enter_context(Server(title, monitor.state, monitor.actions()))
         terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")

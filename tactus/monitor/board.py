@@ -1,7 +1,6 @@
 """The facts about a board that its scene states: packets, units and baud rate."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -109,9 +108,11 @@ class Board:
         codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
 
-    def known_codes(self, values: Mapping[str, str]) -> list[int]:
+    def known_codes(self, values: object) -> list[int]:
         """The codes of known outputs, which are given in their units as texts."""
         outputs = self.scene.outputs
+        if not isinstance(values, dict) or not all(isinstance(v, str) for v in values.values()):
+            raise InputError(f"known: got {values!r:.40}, expected a text for each output")
         if len(outputs) < self.layout.outputs:
             raise InputError(
                 f"{self.scene.path}: data.outputs: got {len(outputs)}, expected "

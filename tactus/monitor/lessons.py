@@ -2,8 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import cycle
 from typing import Any
 
@@ -32,37 +31,18 @@ MOST_DRIFT = 3.0
 ONE = 1 << (THETA.frac - OUTPUT_SHIFT)
 
 
-class Tour:
-    """Places a simulated board where ``make recalibrate`` proposes, one after the other."""
+def tour_of(board: Board, simulated: TwinBoard) -> Iterator[dict[str, str]]:
+    """Place a simulated board where ``make recalibrate`` proposes, again and again.
 
-    def __init__(self, board: Board, simulated: TwinBoard) -> None:
-        self._scene, self._simulated = board.scene, simulated
-        recorded = Sensitivity.of(board.scene, np.zeros(len(board.scene.sensors)))
-        self._rows = cycle(one.row for one in proposed(recorded))
-
-    def next(self) -> dict[str, str]:
-        """Go on to the next placement; returns its known outputs as texts."""
-        targets = self._scene.in_units(self._scene.vectors().targets[next(self._rows)])
-        known = dict(zip(self._scene.outputs, targets.tolist(), strict=True))
-        self._simulated.place(known)
-        return {name: f"{value:g}" for name, value in known.items()}
-
-
-@dataclass(frozen=True)
-class Lesson:
-    """A packet for the board, and the known outputs in it, in their units; None without any."""
-
-    packet: bytes
-    known: Real | None
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A placement that was shown: its readings, its known outputs, and what errors these had."""
-
-    read: Real
-    known: Real
-    errors: Real
+    Gives the known outputs of each placement as texts.
+    """
+    scene = board.scene
+    recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)))
+    for row in cycle(one.row for one in proposed(recorded)):
+        targets = scene.in_units(scene.vectors().targets[row])
+        known = dict(zip(scene.outputs, targets.tolist(), strict=True))
+        simulated.place(known)
+        yield {name: f"{value:g}" for name, value in known.items()}
 
 
 class Lessons:
@@ -71,7 +51,7 @@ class Lessons:
     board: A board that learns.
 
     count: How many placements were shown.
-    tour: The placements of a simulated board.
+    tour: The placements of a simulated board; see ``tour_of``.
     """
 
     def __init__(self, board: Board) -> None:
@@ -80,10 +60,11 @@ class Lessons:
         self.board, self.places = board, core.placements
         self._taught, _ = taught_of(board.hardware)
         self.count = 0
-        self.tour: Tour | None = None
-        self._waiting: deque[Lesson] = deque()
-        # The board keeps no more of them either.
-        self._shown: deque[Shown] = deque(maxlen=core.placements)
+        self.tour: Iterator[dict[str, str]] | None = None
+        # Packets, each with the known outputs in it, in their units; None without any.
+        self._waiting: deque[tuple[bytes, Real | None]] = deque()
+        # Readings, known outputs, and errors of the outputs then. The board keeps no more either.
+        self._shown: deque[tuple[Real, Real, Real]] = deque(maxlen=core.placements)
         self._there: Real | None = None
         self._since = 0.0
         self._learn: bool | None = None
@@ -92,9 +73,8 @@ class Lessons:
         # How many placements were shown when ``make recalibrate`` had found this theta.
         self._found: tuple[int, list[int]] = (0, [])
 
-    def told(self, element: tuple[int, ...]) -> None:
-        """Note an element of theta: its number and its code."""
-        number, code = element
+    def told(self, number: int, code: int) -> None:
+        """Note an element of theta."""
         self._theta[number] = code
 
     def forget(self) -> None:
@@ -109,8 +89,9 @@ class Lessons:
             learn from now on under ``learn``.
         learning: Whether the board learns now. It goes on so if nothing else was asked for.
         """
-        before = learning if self._learn is None else self._learn
-        learn = bool(request.get("learn", before))
+        learn = request.get("learn", learning if self._learn is None else self._learn)
+        if not isinstance(learn, bool):
+            raise InputError(f"learn: got {learn!r:.40}, expected true or false")
         what, values, scene = "known", None, self.board.scene
         codes: list[int] = []
         if "known" in request:
@@ -121,7 +102,7 @@ class Lessons:
         # Only what is right changes anything.
         self._learn = learn
         count = self.board.instrument.lesson_receiver.codes
-        self._waiting.append(Lesson(lesson_packet(count, learn, codes, what), values))
+        self._waiting.append((lesson_packet(count, learn, codes, what), values))
 
     def _right_theta(self, theta: object) -> list[int]:
         count = self.board.instrument.elements
@@ -133,22 +114,21 @@ class Lessons:
             raise InputError(f"theta: got {len(theta)} values, {theta!r:.40}, {expected}")
         return theta
 
-    def next(self) -> Lesson | None:
-        """The lesson that is to be sent now, if one waits."""
-        return self._waiting.popleft() if self._waiting else None
+    def next(self) -> tuple[bytes, Real | None]:
+        """The packet that is to be sent now, with its known outputs; an empty one if none waits."""
+        return self._waiting.popleft() if self._waiting else (b"", None)
 
-    def sent(self, lesson: Lesson, values: Real, now: float) -> None:
-        """Note that a lesson was sent, and readings and outputs before it, in their units."""
-        if lesson.known is not None:
-            self.count += 1
-            read, outputs = np.split(values, [len(self.board.scene.sensors)])
-            self._shown.append(Shown(read, lesson.known, outputs - lesson.known))
-            self._there, self._since = lesson.known, now
-            # No packet is lost meanwhile.
-            work = self.count, [*self._shown]
-            threading.Thread(target=self._recalibrate, args=work, daemon=True).start()
+    def shown(self, known: Real, values: Real, now: float) -> None:
+        """Note that known outputs were sent, and readings and outputs before, in their units."""
+        self.count += 1
+        read, outputs = np.split(values, [len(self.board.scene.sensors)])
+        self._shown.append((read, known, outputs - known))
+        self._there, self._since = known, now
+        # No packet is lost meanwhile.
+        work = self.count, [*self._shown]
+        threading.Thread(target=self._recalibrate, args=work, daemon=True).start()
 
-    def moved(self) -> None:
+    def moved(self, _: object = None) -> None:
         """The load is no longer where it was shown."""
         self._there = None
 
@@ -172,7 +152,7 @@ class Lessons:
         count = self.board.instrument.elements
         return [self._theta[n] for n in range(count)] if len(self._theta) == count else []
 
-    def _recalibrate(self, count: int, shown: list[Shown]) -> None:
+    def _recalibrate(self, count: int, shown: list[tuple[Real, Real, Real]]) -> None:
         """Note the codes of the theta that ``make recalibrate`` finds from these placements.
 
         It is the most likely one, so where placements tell little of a sensor it stays near 0.
@@ -180,13 +160,14 @@ class Lessons:
         codes = np.clip(np.rint(ONE * self._fitted(shown)), SIGNAL.low, SIGNAL.high)
         self._found = max(self._found, (count, [int(code) for code in codes]))
 
-    def _fitted(self, shown: list[Shown]) -> Real:
+    def _fitted(self, shown: list[tuple[Real, Real, Real]]) -> Real:
         scene = self.board.scene
-        scales, known = scene.scales(scene.outputs), np.array([one.known for one in shown])
+        read, known, _ = map(np.array, zip(*shown, strict=True))
+        scales = scene.scales(scene.outputs)
         factors = [scale.factor for scale in scales]
         size = error_scale(known, scene.outputs, scene.full_scale) / factors
         placements = Placements(
-            signals(np.array([one.read for one in shown]), scene.scales(scene.sensors)),
+            signals(read, scene.scales(scene.sensors)),
             signals(known, scales),
             # The error of an output of 0 without a full scale has no size of its own.
             np.maximum(size, SIGNAL.to_real(1)),
@@ -265,9 +246,9 @@ class Lessons:
             "placements": [
                 {
                     "number": first + number,
-                    "known": [f"{v:.{d}f}" for v, d in zip(one.known, places, strict=True)],
-                    "errors": [f"{v:+.{d}f}" for v, d in zip(one.errors, places, strict=True)],
+                    "known": [f"{v:.{d}f}" for v, d in zip(known, places, strict=True)],
+                    "errors": [f"{v:+.{d}f}" for v, d in zip(errors, places, strict=True)],
                 }
-                for number, one in enumerate(self._shown, 1)
+                for number, (_, known, errors) in enumerate(self._shown, 1)
             ],
         }

@@ -1,19 +1,28 @@
-"""A serial port whose cable may be cut and come back."""
+"""Opens what a user names with ``PORT=``: a serial port, or a board of twins.
+
+The cable of a serial port may be cut and come back.
+"""
 
 from __future__ import annotations
 
 import os
 import termios
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 
 import serial
 from serial.tools import list_ports
 
 from golden.input_error import InputError
+from golden.link.decoder import Decoder, fault
+from golden.link.packets import Frame
+from tactus.monitor.board import Board
+from tactus.monitor.twin_board import PAUSE, TWIN, TwinBoard
+from tactus.scene.disturbance import Disturbance
 
-# The longest time in seconds that one call waits for bytes, or for a port that is gone.
-PAUSE = 0.1
+# A board of twins plays each row for so many seconds.
+TWIN_HOLD = 0.5
 FAULTS = (OSError, ValueError, termios.error)
 
 
@@ -122,3 +131,42 @@ def _reason(error: Exception) -> str:
     if number == 5 or any(words in text for words in gone):
         return "the device is gone"
     return os.strerror(number) if number else text or type(error).__name__
+
+
+Line = SerialLine | TwinBoard
+
+
+def open_line(
+    port: str, baud: int | None, board: Board, drift: Disturbance | None = None, seed: int = 1
+) -> Line:
+    """The line to a board, with the baud rate of its scene if no other is given.
+
+    drift, seed: How far the sensors of a simulated board have drifted; see ``TwinBoard``.
+    """
+    if not port:
+        raise InputError(
+            f"PORT=: missing, expected {TWIN} or a serial port; there is {ports_there()}"
+        )
+    if port == TWIN:
+        rate = float(board.instrument.packets_a_second)
+        hold = max(1, round(TWIN_HOLD * rate))
+        return TwinBoard(board.hardware, rate, hold, drift, seed)
+    return SerialLine(port, baud or board.baud)
+
+
+def frames_from(line: Line, board: Board) -> Iterator[Frame]:
+    """The frames that come from now on, as long as some come."""
+    line.drop()
+    decoder = Decoder(board.layout)
+    last = time.monotonic()
+    while time.monotonic() - last < line.patience:
+        for frame in decoder.feed(line.read()):
+            last = time.monotonic()
+            yield frame
+        if line.cut:
+            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
+    faults = "; ".join(filter(None, (fault(*one) for one in decoder.tally.items())))
+    raise InputError(
+        f"PORT={line.label}: no packet for {line.patience:g} s: "
+        + (faults or "is the bitstream loaded, and are TX and RX crossed?")
+    )

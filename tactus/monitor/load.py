@@ -8,7 +8,7 @@ from golden.link.packets import image_packet
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.monitor.board import Board, board_of
-from tactus.monitor.ports import Line, frames_from, open_line
+from tactus.monitor.line import Line, frames_from, open_line
 from tactus.scene.image import hardware_of, scene_image
 
 # A report counts after so many packets in a row have repeated it, because the first packets may

@@ -16,7 +16,7 @@ from golden.numbers.real import Real
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Lessons
-from tactus.monitor.ports import Line
+from tactus.monitor.line import Line
 
 # The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")
@@ -25,11 +25,13 @@ SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
 # A rate is counted over ``RATE_SECONDS``, or over ``RATE_ARRIVALS`` if arrivals are rarer.
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
-
+# The least number of seconds between two messages of the same kind.
+PAUSE = 10.0
+# The most lines that the page shows.
+MOST_LINES = 30
 
 _COUNTS = 1 << 16
 NO_DECISION = ["", ""]
-
 
 NOT_SENT = "a lesson was not sent, because the line was cut"
 FLAG_TEXTS = {
@@ -66,9 +68,11 @@ class Monitor:
         self.board, self.csv = board, csv
         self.lessons = Lessons(board) if board.learns else None
         self.decoder = Decoder(board.layout)
-        self.messages = Messages(say, clock)
         self.computed = 0
-        self._clock = clock
+        # What was said, with the time of day; the newest comes first.
+        self.messages: deque[str] = deque(maxlen=MOST_LINES)
+        self._said: dict[str, float] = {}
+        self._say, self._clock = say, clock
         self._lock = threading.Lock()
         self._told: Counter[str] = Counter()
         self._began = self._packet_at = clock()
@@ -86,7 +90,8 @@ class Monitor:
     def listen(self, line: Line, until: Callable[[], bool]) -> None:
         """Take what comes until ``until`` is true; report a cut cable and wait until it is back."""
         while not until():
-            self._send(line)
+            if self.lessons:
+                self._send(line, self.lessons)
             data = line.read()
             with self._lock:
                 self._take(data)
@@ -97,7 +102,15 @@ class Monitor:
         if self.lessons is None:
             return {}
         tour = {"/next": self._next} if self.lessons.tour else {}
-        return {"/teach": self.teach, "/moved": self._moved, **tour}
+        return {"/teach": self.teach, "/moved": self.lessons.moved, **tour}
+
+    def _next(self, _: object) -> dict[str, str]:
+        """The known outputs of the next placement of the tour, where the simulated board is now."""
+        assert self.lessons is not None, "only a board that learns is taught"
+        assert self.lessons.tour is not None, "only a simulated board goes on by itself"
+        with self._lock:
+            self.lessons.moved()
+            return next(self.lessons.tour)
 
     def teach(self, request: Mapping[str, Any]) -> None:
         """Send the board a lesson, which ``listen`` does; see ``Lessons.ask``.
@@ -113,32 +126,21 @@ class Monitor:
                 )
             self.lessons.ask(request, self._learning)
 
-    def _moved(self, _: object) -> None:
-        assert self.lessons is not None, "only a board that learns is taught"
-        with self._lock:
-            self.lessons.moved()
-
-    def _next(self, _: object) -> dict[str, str]:
-        assert self.lessons is not None, "only a board that learns is taught"
-        assert self.lessons.tour is not None, "only a simulated board goes on by itself"
-        with self._lock:
-            self.lessons.moved()
-            return self.lessons.tour.next()
-
-    def _send(self, line: Line) -> None:
+    def _send(self, line: Line, lessons: Lessons) -> None:
         """Send the lesson that waits, if one does; only this thread writes to the line."""
         with self._lock:
-            lesson = self.lessons.next() if self.lessons else None
-        if self.lessons is None or lesson is None:
+            packet, known = lessons.next()
+        if not packet:
             return
         try:
-            line.write(lesson.packet)
+            line.write(packet)
         except InputError:
             with self._lock:
-                self.messages.tell(NOT_SENT)
+                self._tell(NOT_SENT)
             return
-        with self._lock:
-            self.lessons.sent(lesson, self._values, self._clock())
+        if known is not None:
+            with self._lock:
+                lessons.shown(known, self._values, self._clock())
 
     @property
     def _learning(self) -> bool:
@@ -165,11 +167,11 @@ class Monitor:
             if frame.winner:
                 self._judge_winner(frame.winner[0])
             if frame.theta and self.lessons:
-                self.lessons.told(frame.theta)
+                self.lessons.told(*frame.theta)
             last = frame
         for flag, text in FLAG_TEXTS.items():
             if self._lit[flag] == now:
-                self.messages.repeat(flag, text)
+                self._repeat(flag, text)
         self.computed += computed
         self._newest, self._values = last, values[-1]
         self._packet_at = now
@@ -188,7 +190,7 @@ class Monitor:
             x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
             self._profile[number] = (x, y)
         else:
-            self.messages.repeat(
+            self._repeat(
                 "point",
                 f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
                 "board runs the hardware of another scene",
@@ -197,7 +199,7 @@ class Monitor:
     def _judge_winner(self, index: int) -> None:
         count = len(self.board.scene.outputs)
         if index >= count:
-            self.messages.repeat(
+            self._repeat(
                 "winner",
                 f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
                 "the networks of another scene",
@@ -217,7 +219,7 @@ class Monitor:
         """Report each kind of fault that has come again since its last report, if one is due."""
         for kind, count in self.decoder.tally.items():
             text = fault(kind, count, self._told[kind])
-            if text and self.messages.repeat(kind, text):
+            if text and self._repeat(kind, text):
                 self._told[kind] = count
 
     def _watch(self, line: Line) -> None:
@@ -232,21 +234,33 @@ class Monitor:
                 self._arrivals.clear()
                 # The course has a gap here, because nothing is known of the time of the cut.
                 self._course.append((now, []))
-                text = f"the line was cut: {line.cut}; waiting for {line.label}"
-                self.messages.tell(text)
+                self._tell(f"the line was cut: {line.cut}; waiting for {line.label}")
             self._line = "cut"
         elif self._line == "cut":
-            self.messages.tell(f"{line.label} is back")
+            self._tell(f"{line.label} is back")
             self._line, self._packet_at = "waiting", now
         elif now - self._packet_at > line.silence:
             if self._line != "silent":
-                self.messages.tell(f"no packet for {line.silence:g} s")
+                self._tell(f"no packet for {line.silence:g} s")
             self._line = "silent"
         elif self._newest is not None:
             if self._line == "silent":
-                self.messages.tell("packets come again")
+                self._tell("packets come again")
             idle = len(self._arrivals) >= RATE_ARRIVALS and not self.rates()[1]
             self._line = "idle" if idle else "packets"
+
+    def _repeat(self, kind: str, text: str) -> bool:
+        """Print a message, unless one of its kind was printed in the last ``PAUSE`` seconds."""
+        now = self._clock()
+        due = now - self._said.get(kind, -PAUSE) >= PAUSE
+        if due:
+            self._said[kind] = now
+            self._tell(text)
+        return due
+
+    def _tell(self, text: str) -> None:
+        self.messages.appendleft(f"{time.strftime('%H:%M:%S')} {text}")
+        self._say(self.messages[0])
 
     def rates(self) -> tuple[float, float]:
         """The recent rates of packets and of computed frames, both per second."""
@@ -321,7 +335,7 @@ class Monitor:
                 if name in FLAG_TEXTS and (count or name in board.flags)
             ],
             "learning": self.lessons and self.lessons.state(self._course, now, self._learning),
-            "messages": list(self.messages.lines),
+            "messages": list(self.messages),
             "recorded": self.csv.rows if self.csv else 0,
             "recording": str(self.csv.path) if self.csv else "",
         }
@@ -333,39 +347,3 @@ def _position(board: Board) -> str:
     if visualisation is None or max(visualisation.results) >= len(outputs):
         return ""
     return outputs[visualisation.results[1]]
-
-
-# The least number of seconds between two messages of the same kind.
-PAUSE = 10.0
-# The most lines that the page shows.
-MOST_LINES = 30
-
-
-class Messages:
-    """Messages with the time of day; the newest comes first.
-
-    say: Called with each line as it comes, for a terminal.
-    clock: Gives a time in seconds.
-    """
-
-    def __init__(
-        self, say: Callable[[str], None], clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self.lines: deque[str] = deque(maxlen=MOST_LINES)
-        self._say, self._clock = say, clock
-        self._last: dict[str, float] = {}
-
-    def repeat(self, kind: str, text: str) -> bool:
-        """Print a message, unless one of its kind was printed in the last ``PAUSE`` seconds."""
-        now = self._clock()
-        due = now - self._last.get(kind, -PAUSE) >= PAUSE
-        if due:
-            self._last[kind] = now
-            self.tell(text)
-        return due
-
-    def tell(self, text: str) -> None:
-        """Print a message now."""
-        line = f"{time.strftime('%H:%M:%S')} {text}"
-        self.lines.appendleft(line)
-        self._say(line)

@@ -18,7 +18,7 @@ from tactus.core.finding import fault, refuse
 from tactus.core.table import read_csv_file
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv, refuse_there
-from tactus.monitor.ports import Line, frames_from, open_line
+from tactus.monitor.line import Line, frames_from, open_line
 from tactus.monitor.twin_board import TWIN, TwinBoard
 from tactus.scene import Scene
 

@@ -22,7 +22,6 @@ from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
-from tactus.monitor.line import PAUSE
 from tactus.scene import Scene
 from tactus.scene.building import taught_of
 from tactus.scene.disturbance import Disturbance
@@ -31,12 +30,17 @@ from tactus.scene.scale import signals
 from tactus.scene.vectors import read_recorded
 
 TWIN = "twin"
+# The longest time in seconds that one call waits for bytes, or for a port that is gone.
+PAUSE = 0.1
 # A board that learns does it for so many seconds between two packets. A step takes a computer far
 # longer than the board, so there is no room for more packets.
 LEARN_SECONDS = 0.02
 # Packets that were not read in time wait, but no more of them are read at once.
 MOST_PACKETS = 100
 IMAGE_HEADER = len(image_packet(b"\0")) - 1
+
+# Outputs; winner and margin; positions and heights of a profile, where one is built.
+Results = tuple[list[int], list[int], tuple[Codes, Codes] | None]
 
 
 def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:
@@ -100,6 +104,8 @@ class TwinBoard:
             read = drift.of(read, np.random.default_rng(seed))
         self.samples: Codes = SIGNAL.quantise(read, "readings")[0]
         self._visualisation = scene.visualisation
+        # The changes of theta until a row of the recording was computed, and what it becomes.
+        self._results: dict[int, tuple[int, Results]] = {}
         self._row: int | None = None
         self._sent = self._computed = 0
         self._next = time.monotonic()
@@ -110,7 +116,6 @@ class TwinBoard:
         # An engine that can be loaded computes nothing before an image comes.
         self._runs = not (isinstance(core, Engine) and core.loaded)
         self._error = False
-        self._compute()
 
     def __enter__(self) -> TwinBoard:
         return self
@@ -155,34 +160,24 @@ class TwinBoard:
             before_last, words = found
             inputs = (before_last + 2) % (1 << engine.image_loader.operand_addr_width)
             self._core = engine.running(Image(loaded.sizes, inputs, tuple(words)))
-            self._compute()
+            self._results.clear()
 
-    def _compute(self) -> None:
-        rows = len(self.samples)
-        # If an image has fewer outputs, the other ones stay as they are after a reset.
-        self._outputs: Codes = np.zeros((rows, self.layout.outputs), dtype=np.int64)
-        # One output has no winner.
-        self._winners: Codes = np.zeros((rows, 2), dtype=np.int64)
-        if self._visualisation:
-            points = self._visualisation.load_profile.ramp.points
-            self._profile: Codes = np.zeros((rows, points), dtype=np.int64)
-        # How many changes of theta the outputs of each row know.
-        self._changes: Codes = np.zeros(rows, dtype=np.int64)
-        self._compute_rows(slice(rows))
-
-    def _compute_rows(self, rows: slice) -> None:
-        if self.lessons:
-            outputs = self.lessons.pupil.process(self.samples[rows])
-            self._changes[rows] = self.lessons.pupil.changes
-        else:
-            outputs = self._core.process(self.samples[rows])
-        self._outputs[rows, : outputs.shape[1]] = outputs
-        if outputs.shape[1] > 1:
-            winners = Argmax(SIGNAL, outputs.shape[1]).process(outputs)
-            self._winners[rows] = np.stack(winners, axis=1)
-        if self._visualisation:
-            results = self._outputs[rows, list(self._visualisation.results)]
-            self._ramp, self._profile[rows] = self._visualisation.load_profile.process(results)
+    def _result(self, row: int) -> Results:
+        pupil = self.lessons.pupil if self.lessons else None
+        changes = pupil.changes if pupil else 0
+        if row not in self._results or self._results[row][0] != changes:
+            (outputs,) = (pupil or self._core).process(self.samples[[row]])
+            # One output has no winner.
+            winner = [0, 0]
+            if len(outputs) > 1:
+                winner = [int(part) for part in Argmax(SIGNAL, len(outputs)).process(outputs)]
+            # If an image has fewer outputs, the other ones stay as they are after a reset.
+            outputs = np.append(outputs, np.zeros(self.layout.outputs - len(outputs), np.int64))
+            profile = None
+            if shown := self._visualisation:
+                profile = shown.load_profile.process(outputs[list(shown.results)])
+            self._results[row] = changes, (outputs.tolist(), winner, profile)
+        return self._results[row][1]
 
     def _frame(self) -> Frame:
         number, row = self._sent, self._row
@@ -190,24 +185,22 @@ class TwinBoard:
             row = number // self.hold % len(self.samples)
         flags = ["frame_error"] * (not self._runs) + ["image_error"] * self._error
         theta = point = winner = None
+        outputs, best, profile = self._result(row)
         if self.lessons:
-            if self._changes[row] != self.lessons.pupil.changes:
-                self._compute_rows(slice(row, row + 1))
             self.lessons.read(self.samples[row])
             flags += self.lessons.flags()
             theta = self.lessons.element(number)
-        if self._visualisation:
-            at = number % len(self._ramp)
-            point = (at, int(self._ramp[at]), int(self._profile[row, at]))
+        if profile:
+            at = number % len(profile[0])
+            point = at, *(int(part[at]) for part in profile)
         if self.layout.decides:
-            index, margin = (self._winners[row] * self._runs).tolist()
-            winner = (index, margin)
+            winner = (best[0] * self._runs, best[1] * self._runs)
         samples = tuple(self.samples[row].tolist())
-        outputs = tuple((self._outputs[row] * self._runs).tolist())
         count = self._computed % 65536
         self._sent += 1
         self._computed += self._runs
-        return Frame(number % 256, tuple(flags), count, samples, outputs, point, winner, theta)
+        shown = samples, tuple(code * self._runs for code in outputs)
+        return Frame(number % 256, tuple(flags), count, *shown, point, winner, theta)
 
 
 class TwinLessons:
