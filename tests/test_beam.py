@@ -42,7 +42,7 @@ from studies.physics.swing_data import (
     write_recordings,
 )
 from studies.physics.swing_data import COLUMNS as RUN
-from studies.stability.reference_swing import undamped_angle
+from studies.stability.physics import undamped_angle
 from tactus.core.table import read_table
 from tactus.physics.beam import GRAVITY, Beam, StrainSensor, arm_slopes, mean_arm
 from tactus.physics.gauges import MEAN_PER_DEVIATION, GaugeRig, load_rig

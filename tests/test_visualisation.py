@@ -10,13 +10,8 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, load_profile, ramp
 from golden.visualisation.power_fold import PowerFold
-from studies.stability.functions import (
-    harmonic_limit,
-    harmonic_load,
-    harmonic_tail,
-)
 from tactus.core.table import read_table
-from tactus.scene import load_scene, thesis_table
+from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import VISUALISATION, random_mlp
 
@@ -122,28 +117,3 @@ def test_real_arithmetic_is_the_equation() -> None:
     for frame, power, found in zip(frames / 8192, (2, 6), PROFILE.real(frames), strict=True):
         d, centre, width, _ = frame
         assert np.allclose(found, d * np.exp(-((2 / (0.4 * width) * (x - centre)) ** power)))
-
-
-# The load, centre, half width and terms of Figure 3.27.
-FIGURE_3_27 = thesis_table("load_function")["cases"]
-POSITIONS = np.linspace(0, 1, 401)
-
-
-@pytest.mark.parametrize("case", FIGURE_3_27)
-def test_figure_3_27(case: str) -> None:
-    """The height on the pulse is d less the mean 2 d w, and the tail bounds the difference."""
-    load, centre, width, terms = FIGURE_3_27[case]
-    top, base = load * (1 - 2 * width), -2 * load * width
-    for position, value in ((centre, top), (centre - width, top - load / 2), (0.05, base)):
-        miss = abs(harmonic_load(position, load, centre, width, terms) - value)
-        assert miss <= harmonic_tail(position, load, centre, width, terms) + 1e-12
-    if terms == 1000:
-        assert harmonic_load(centre, load, centre, width, terms) == pytest.approx(top, abs=2e-3)
-
-
-def test_the_limit_is_a_pulse_without_its_mean() -> None:
-    load, centre, width = 0.8, 0.6, 0.15
-    pulse = np.where(np.abs(POSITIONS - centre) < width, load, 0.0)
-    edge = np.isclose(np.abs(POSITIONS - centre), width)
-    limit = harmonic_limit(POSITIONS, load, centre, width)
-    assert np.allclose((limit + 2 * load * width)[~edge], pulse[~edge], atol=1e-12)

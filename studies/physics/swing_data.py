@@ -34,7 +34,6 @@ from tactus.physics.beam import GRAVITY
 # Hz, of the DC remover of section 6.4.2. The thesis rounds 1 / (2 pi R C) of 560 kilohm and
 # 4.7 microfarad to it.
 CUTOFF = 0.06
-SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.4.4
 
 # The reflective sensors below the plate. At rest the thesis has 3.5 to 4.7 V. The sensitivity is
 # ours: with it a 10 kg swing moves the sensors by the 10 to 60 mV that the thesis reports. Beyond

@@ -1,29 +1,20 @@
-"""Ill-conditioned problems: fits, filters and derivatives, against the same with more digits."""
+"""Ill-conditioned problems: fits, corrections and a board that learns, with more digits beside."""
 
-import itertools
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from golden.activation import polynomial, segments
-from golden.activation.scheme import Scheme
-from golden.activation.schemes import SCHEMES
 from golden.learning.corrected import THETA
 from golden.learning.gradient import ERROR, ROW, STEP, Equation, lms_step
-from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import mlp_of, packed, tanh
-from studies.physics.digit_sensors import COLUMNS, RECORDED, SENSORS
-from studies.physics.swing_data import CUTOFF, SCAN_RATE, Conditioning
+from golden.trained.dense import packed, tanh
 from studies.stability import digits
 from studies.stability.case import Row, largest
 from studies.stability.digits import DIGITS
-from tactus.core.table import read_table
 from tactus.recalibration.fit import Fit, fit
 from tactus.recalibration.outlook import outlook
 from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_and_slopes
-from tactus.rig.smooth_map import RIDGES, SAME, SmoothMap, spread
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.train.objective import Objective, Rows, levenberg_marquardt
@@ -91,35 +82,6 @@ def _descended(slopes: Real, errors: Real) -> Real:
     return levenberg_marquardt(aim, np.zeros(slopes.shape[1]), 400)
 
 
-def sensors() -> Iterator[Row]:
-    """Sensors that repeat another, give nothing, or are nearly a sum of others."""
-    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
-    readings, targets = table[:, :4], table[:, 4:]
-    near = readings[:, 1] + 1e-7 * readings[:, 2]
-    every = np.column_stack([readings, readings[:, 0], np.full(len(table), 0.3), near])
-    train, asked = every[::4], every[1::16]
-    values = targets[::4]
-    for ridge in (min(RIDGES), max(RIDGES)):
-        found = SmoothMap(train, values, 1.0, ridge)(asked)
-        exact = _smooth(train, values, ridge, asked)
-        miss = largest((found - exact) / spread(values))
-        case = f"one sensor twice, one dead, two nearly alike; ridge {ridge:g}"
-        # The least eigenvalue of K + r I is r, and its largest at most the number of rows.
-        bound = 10 * len(train) / ridge * EPS
-        yield Row("smooth map", case, AGREE, "error / spread", miss, bound)
-
-
-def _smooth(inputs: Real, values: Real, ridge: float, asked: Real) -> Real:
-    """``SmoothMap`` of length 1: the plane by eigenvectors, the rest by elimination."""
-    centre, unit, size = inputs.mean(axis=0), spread(inputs), spread(values)
-    known, other = (inputs - centre) / unit, (asked - centre) / unit
-    ones, more = (np.column_stack([np.ones(len(x)), x]) for x in (known, other))
-    plane = digits.truncated(ones, values, SAME)
-    reach = float(np.sqrt(2 * inputs.shape[1]))
-    rest = digits.ridge(known, (values - ones @ plane) / size, reach, ridge, other)
-    return more @ plane + size * rest
-
-
 def recalibration() -> Iterator[Row]:
     """A correction from one placement, and from one that is made again and again."""
     scene = load_scene("digit")
@@ -157,52 +119,6 @@ def _equations(recorded: Sensitivity, there: Placements, found: Fit) -> Real:
     by_theta = recorded.by_theta(slopes, there.inputs) * (100 / there.scale)[:, :, np.newaxis]
     white = np.linalg.solve(np.linalg.cholesky(recorded.spread(there)), by_theta)
     return np.concatenate([white.reshape(-1, white.shape[2]), np.eye(white.shape[2])])
-
-
-def filters() -> Iterator[Row]:
-    """The DC remover: a pole of 0.06 Hz, near 1, behind a large resting voltage."""
-    rng = np.random.default_rng(0)
-    for rate in (200.0, SCAN_RATE):
-        volts = (
-            4.1 + np.where(np.arange(20_000) < 10_000, 0.0, 0.5) + 0.01 * rng.normal(size=20_000)
-        )
-        found = Conditioning(1.0, rate).amplify(volts, 4.1)
-        error = largest(found - digits.high_passed(volts - 4.1, CUTOFF, rate))
-        distance = 2 * np.pi * CUTOFF / rate
-        case = f"{CUTOFF:g} Hz at {rate:g} samples per second, pole {distance:.1e} below 1"
-        # Each sample rounds the state, of up to 1 V, which is forgotten after 1 / distance samples.
-        yield Row("DC remover", case, AGREE, "error V", error, EPS / distance)
-        if distance < 2.0**-SIGNAL.frac / 2:
-            must = "need more than 14 bits: there the pole would be 1"
-            yield Row("DC remover", case, must, "1 - pole in 2^-13", distance * 2**SIGNAL.frac, 0.5)
-
-
-def slopes() -> Iterator[Row]:
-    """The derivative of a steep node on and beside every border of its segments."""
-    steep, step = 2.0**10, 2.0**-20
-    for name, ends in (("gradient", segments.UPPER), ("polynomial", polynomial.UPPER)):
-        scheme, miss = SCHEMES[name], 0.0
-        for end, sign in itertools.product(ends, (-1, 1)):
-            border = sign * end
-            below, above = np.nextafter(border, -np.inf), np.nextafter(border, np.inf)
-            found = [_slope_at(scheme, q, steep) for q in (below, border, above)]
-            left, right = (
-                float(np.diff(scheme.real(np.array(pair))[0])[0]) / step
-                for pair in ((below - step, below), (above, above + step))
-            )
-            on = min(abs(found[1] - left), abs(found[1] - right))
-            miss = max(miss, abs(found[0] - left), on, abs(found[2] - right))
-        # The difference quotient of a parabola errs by half its step times its curvature, below 1.
-        case = f"steep node of weight {steep:g}, on and beside its {2 * len(ends)} borders"
-        yield Row(name, case, "have the slope of a side", "error of the slope", miss, step)
-
-
-def _slope_at(scheme: Scheme, q: float, steep: float) -> float:
-    """The derivative of the output by the bias of a node, as training computes it."""
-    rows = Rows(np.array([[q / steep]]), np.zeros((1, 1)), np.ones((1, 1)))
-    mlp = mlp_of(np.array([[steep]]), np.zeros(1), np.ones((1, 1)), np.zeros(1))
-    aim = Objective(mlp, rows, rows, 1, scheme.real, 0.0)
-    return float(aim.jacobian(packed(mlp))[0, 1])
 
 
 def learning() -> Iterator[Row]:

@@ -14,22 +14,6 @@ DIGITS = 50
 FAR = 60
 
 
-def harmonic_sum(
-    position: float, load: float, centre: float, half_width: float, terms: int
-) -> float:
-    """Equation 3.17, see ``harmonic_load``."""
-    with mp.workdps(DIGITS):
-        w, c, p = (mp.mpf(value) for value in (half_width, centre, position))
-        return float(
-            4
-            * mp.mpf(load)
-            * mp.fsum(
-                mp.sinpi(m * w) * mp.cospi(m * c) * mp.cospi(m * p) / (m * mp.pi)
-                for m in range(1, terms + 1)
-            )
-        )
-
-
 def deflection(plate: Plate, point: tuple[float, float], load: tuple[float, float]) -> mp.mpf:
     """w in m/N at a point for 1 N at a load.
 
@@ -100,41 +84,6 @@ def inverse_of_squares(matrix: Real) -> Real:
         )
 
 
-def ridge(inputs: Real, values: Real, reach: float, smoothing: float, asked: Real) -> Real:
-    """Gaussian kernel ridge regression of rows, at other rows; shape (asked, values)."""
-    with mp.workdps(DIGITS):
-
-        def kernel(rows: Real, more: float) -> list[list[mp.mpf]]:
-            return [
-                [
-                    mp.exp(
-                        -mp.fsum((mp.mpf(a) - b) ** 2 for a, b in zip(x, z, strict=True)) / reach**2
-                    )
-                    + (more if i == j else 0)
-                    for j, z in enumerate(inputs.tolist())
-                ]
-                for i, x in enumerate(rows.tolist())
-            ]
-
-        matrix = mp.matrix(kernel(inputs, smoothing))
-        weights = [list(mp.lu_solve(matrix, mp.matrix(column))) for column in values.T.tolist()]
-        there = kernel(asked, 0)
-        return np.array([[float(mp.fdot(row, column)) for column in weights] for row in there])
-
-
-def truncated(matrix: Real, right: Real, same: float) -> Real:
-    """Least squares without directions whose singular value is below this part of the largest."""
-    with mp.workdps(DIGITS):
-        left, values, other = mp.svd_r(mp.matrix(matrix.tolist()))
-        kept = [k for k in range(len(values)) if values[k] > same * values[0]]
-        found = np.zeros((matrix.shape[1], right.shape[1]))
-        for column, wanted in enumerate(right.T.tolist()):
-            parts = {k: mp.fdot(left[:, k], wanted) / values[k] for k in kept}
-            for row in range(matrix.shape[1]):
-                found[row, column] = float(mp.fsum(other[k, row] * parts[k] for k in kept))
-        return found
-
-
 def least_mean_squares(rows: Real, wanted: Real, rate: float, passes: int) -> Real:
     """theta += rate (wanted - row . theta) row, over all rows, from 0."""
     with mp.workdps(DIGITS):
@@ -145,16 +94,3 @@ def least_mean_squares(rows: Real, wanted: Real, rate: float, passes: int) -> Re
                 step = rate * (goal - mp.fdot(row, theta))
                 theta = [value + step * by for value, by in zip(theta, row, strict=True)]
         return np.array([float(value) for value in theta])
-
-
-def high_passed(volts: Real, cutoff: float, rate: float) -> Real:
-    """The bilinear transform of s / (s + omega), which starts at 0."""
-    with mp.workdps(DIGITS):
-        k = mp.tan(mp.pi * mp.mpf(cutoff) / mp.mpf(rate))
-        before = state = mp.mpf(0)
-        found = []
-        for volt in map(mp.mpf, volts.tolist()):
-            state = ((1 - k) * state + volt - before) / (1 + k)
-            before = volt
-            found.append(float(state))
-        return np.array(found)

@@ -6,8 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+from scipy.special import ellipj, ellipkm1
 
 from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real, checked
 from studies.physics.plate import TERMS, Plate
 from studies.physics.swing import (
     Swing,
@@ -18,7 +22,6 @@ from studies.physics.swing import (
 from studies.physics.swing_data import REST, Conditioning, read_sensor
 from studies.stability.case import Row, accepted, largest, worst
 from studies.stability.digits import DIGITS, deflection
-from studies.stability.reference_swing import reference_swing, undamped_angle
 from tactus.physics.beam import Beam
 
 # The damping rates of stiff swings in 1/s.
@@ -26,6 +29,8 @@ RATES = (1e2, 1e4, 1e6)
 SAMPLES = 500
 # The error that an angle may have at the default tolerance, in rad.
 INTEGRATED = 1e-8
+# The relative tolerance of the reference of damped swings.
+REFERENCE = 1e-13
 # How many N a foot's force changes for a rad, at most: D a_g (1 + 1 / tan(psi)) / 2 is 156 N of a
 # swing that creeps, and the rest is for its speed.
 STEEPEST = 200.0
@@ -46,7 +51,7 @@ def swings() -> Iterator[Row]:
         # Three times the time in which the angle falls to 1 / e, so that it does move.
         slow = heavy.natural_frequency**2 / rate
         motion = swing_motion(heavy, start, 3 / slow, slow * SAMPLES / 3)
-        angle, speed, _ = reference_swing(heavy, start, motion.time)
+        angle, speed = reference_swing(heavy, start, motion.time)
         case = f"damped at {rate:g} 1/s, stiff {stiffness_of(heavy):.1e}"
         must = "follow a reference of another family"
         miss = largest(motion.angle - angle)
@@ -93,6 +98,39 @@ def swings() -> Iterator[Row]:
     drift = largest(energy / energy[0] - 1)
     case = f"{PERIODS} periods undamped"
     yield Row("swing", case, "keep its energy", "energy drift", drift, ENERGY_DRIFT)
+
+
+def reference_swing(swing: Swing, start: float, times: Real) -> Real:
+    """Angle and speed at the times, which begin at 0, by a Runge-Kutta method that is implicit."""
+    damping, stiffness = swing.damping_rate, swing.natural_frequency**2
+    found = solve_ivp(
+        lambda _, state: [state[1], -damping * state[1] - stiffness * math.sin(state[0])],
+        (0.0, times[-1]),
+        [start, 0.0],
+        method="Radau",
+        t_eval=times,
+        jac=lambda _, state: [[0.0, 1.0], [-stiffness * math.cos(state[0]), -damping]],
+        rtol=REFERENCE,
+        atol=REFERENCE * 1e-3,
+    )
+    return np.asarray(found.y)
+
+
+def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
+    """phi in closed form, without damping and released at rest, as a check of ``swing_motion``.
+
+    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
+    damping of ``swing`` is ignored.
+
+    start: In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright
+        start is infinite.
+    time: In s, 0 to 1e9.
+    """
+    most = math.pi - 1e-6
+    _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
+    k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
+    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * t, 1 - rest)[0]
+    return np.asarray(2 * np.arcsin(k * sn))
 
 
 def stiffness_of(swing: Swing) -> float:
