@@ -12,8 +12,9 @@ from pages import ROUNDING, cells, same_picture, section, shows
 from scipy.signal import find_peaks
 from shared import Shared
 
+from golden.activation.abs_unit import AbsUnit
 from golden.input_error import InputError
-from golden.numbers.precision import SIGNAL
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from studies.physics.digit_sensors import (
     COLUMNS,
     RECORDED,
@@ -33,12 +34,14 @@ from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import outcome
 from tactus.report.measure.table import Table
 from tactus.report.page import lists, summary
+from tactus.report.page.blocks import port_table
 from tactus.report.page.lists import END, begin, put
 from tactus.report.page.made import MADE, MARK
 from tactus.scene import load_scene, thesis_figures, thesis_table
 from tactus.scene.disturbance import Disturbance
 from tactus.synth.budget import read_budget
 from tactus.synth.cells import KINDS
+from tactus.synth.lean import cells as synthesised
 
 pytestmark = [
     pytest.mark.pages,
@@ -78,6 +81,21 @@ def test_the_lists_are_those_of_the_project() -> None:
         written = page.read_text(encoding="utf-8")
         same = same_picture(written, text) if page.suffix == ".svg" else written == text
         assert same, f"{page}: run: {lists.COMMAND}"
+
+
+@pytest.mark.all_only
+@pytest.mark.usefixtures("yosys")
+def test_the_whole_of_the_rebuilt_networks_takes_the_luts_of_the_page() -> None:
+    whole = load_scene(lists.REBUILT).twin(lean=False)
+    assert synthesised(whole, "xc2v")["LUT"] == lists.WHOLE
+
+
+def test_a_format_stands_with_its_precision() -> None:
+    twins = [(AbsUnit(one.hidden_fmt), one.name) for one in (EXACT, THESIS)]
+    (data,) = [line for line in port_table(twins).splitlines() if line.startswith("| `in_data`")]
+    assert "| exact: Fix(18,14); thesis: Fix(14,13) |" in data
+    (data,) = [line for line in port_table(twins[:1]).splitlines() if "`in_data` |" in line]
+    assert "| Fix(18,14) |" in data
 
 
 def test_pages_ask_for_all_that_is_made() -> None:

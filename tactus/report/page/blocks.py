@@ -93,13 +93,13 @@ def scene_table() -> str:
 
 
 @cache
-def twins_by_block() -> dict[str, list[Block]]:
-    """For each block its twins in every scene and every case of a bench, the innermost first."""
-    found: dict[str, list[Block]] = {}
+def twins_by_block() -> dict[str, list[tuple[Block, str]]]:
+    """For each block its twins in every scene and every case of a bench, with their precisions."""
+    found: dict[str, list[tuple[Block, str]]] = {}
     with TemporaryDirectory() as folder:
         for scene in chain(scenes(), (case_scene(name, Path(folder)) for name in CASES)):
             for block in walk(scene.twin()):
-                found.setdefault(block.block, []).append(block)
+                found.setdefault(block.block, []).append((block, scene.precision.name))
     return found
 
 
@@ -115,24 +115,33 @@ def kinds_text(kinds: set[Fix | Unsigned]) -> str:
     return " or ".join(sorted(map(str, kinds)))
 
 
-def port_table(twins: list[Block]) -> str:
-    """The ports of every entity of a block. The ports of a group share a row."""
-    rows: dict[str, list[Port]] = {}
-    for port in (port for block in twins for port in block.ports):
-        rows.setdefault(port.row, []).append(port)
+def port_table(twins: list[tuple[Block, str]]) -> str:
+    """The ports of every entity of a block. The ports of a group share a row.
+
+    A format stands with its precision, if no other precision has it.
+    """
+    rows: dict[str, tuple[Port, dict[str, set[Fix | Unsigned]]]] = {}
+    for port, precision in (
+        (port, precision) for block, precision in twins for port in block.ports
+    ):
+        _, kinds = rows.setdefault(port.row, (port, {}))
+        if port.kind:
+            kinds.setdefault(precision, set()).add(port.kind)
     table = []
-    for name, (port, *others) in rows.items():
-        kind, text = "std_logic", ""
-        if port.kind is not None:
-            kind = "signed" if port.signed else "unsigned"
-            text = kinds_text({p.kind for p in (port, *others) if p.kind})
+    for name, (port, kinds) in rows.items():
+        every = set().union(*kinds.values())
+        if len(kinds) > 1 and sum(map(len, kinds.values())) == len(every):
+            text = "; ".join(f"{precision}: {kinds_text(of)}" for precision, of in kinds.items())
+        else:
+            text = kinds_text(every) if every else ""
+        kind = "std_logic" if not every else "signed" if port.signed else "unsigned"
         table.append([f"`{name}`", port.direction, kind, text, port.meaning])
     return markdown("port | direction | type | format | meaning", table)
 
 
-def clocks(twins: list[Block]) -> tuple[str, str]:
+def clocks(twins: list[tuple[Block, str]]) -> tuple[str, str]:
     """The latency and the interval, in every design."""
-    return range_text(one.latency for one in twins), range_text(one.interval for one in twins)
+    return range_text(one.latency for one, _ in twins), range_text(one.interval for one, _ in twins)
 
 
 def purpose(twin: Block) -> str:
@@ -150,10 +159,10 @@ def block_table() -> str:
         "one frame to the next.",
         "",
     ]
-    by_area = sorted(twins_by_block().items(), key=lambda item: item[1][0].area)
+    by_area = sorted(twins_by_block().items(), key=lambda item: item[1][0][0].area)
     rows = []
     for name, twins in by_area:
-        twin = twins[0]
+        twin, _ = twins[0]
         if not twin.part_of:
             link, section = f"[{name}](blocks/{name}.md)", twin.section or "none"
             rows.append([link, twin.area, purpose(twin), section, *clocks(twins)])
@@ -178,5 +187,5 @@ def sections() -> dict[str, str]:
             if text
         )
         for name, twins in twins_by_block().items()
-        if not twins[0].part_of
+        if not twins[0][0].part_of
     }

@@ -184,8 +184,8 @@ def pictures(scene: Scene) -> Iterator[Picture]:
             "load_profile",
             "Load profile of a recorded frame",
             load_profile(scene),
-            "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
-            "outputs, and the load that was recorded.",
+            "As the hardware computes it from the recorded readings, beside equation 3.18 in real "
+            "arithmetic for the load that was recorded.",
         )
 
 

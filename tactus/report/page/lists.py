@@ -41,8 +41,9 @@ WISHES = {
     "Check numerical stability on stiff and extreme cases": "stability.md",
     "Leave out what a given scene does not need": "left-out.md",
 }
-# The LUTs that `make lean` counts of the rebuilt networks: whole, and as they are.
-WHOLE, LEAN = 3163, 3008
+# The LUTs that `make lean` counts of the rebuilt networks if they are built whole: test_pages.py
+# counts them again.
+WHOLE = 3163
 ONE_OUTPUT = "digit-load"
 PRUNED = (0.1, 0.25, 0.5)
 
@@ -55,16 +56,11 @@ def table() -> str:
 def headline_left_out() -> str:
     """How much of the whole is built, in a sentence."""
     rebuilt = load_scene(REBUILT)
-    luts = read_budget(rebuilt.path)[FAMILY][rebuilt.twin().entity]["LUT"]
-    if luts != LEAN:
-        raise InputError(
-            f"{REBUILT}: got {luts} recorded LUTs, expected {LEAN}, those of `make lean "
-            f"SCENE={REBUILT}`; run it, and write both counts into {Path(__file__).name}"
-        )
+    lean = read_budget(rebuilt.path)[FAMILY][rebuilt.twin().entity]["LUT"]
     rom, every = words(rebuilt.twin()), words(rebuilt.twin(lean=False))
     one, four = (clocks_per_frame(load_scene(name).twin()) for name in (ONE_OUTPUT, SHOWN))
     return (
-        f"**Built as in the thesis, `{REBUILT}` takes {LEAN:,} of {WHOLE:,} LUTs and {rom} of "
+        f"**Built as in the thesis, `{REBUILT}` takes {lean:,} of {WHOLE:,} LUTs and {rom} of "
         f"{every} words of ROM. Asked for the load alone, `{SHOWN}` takes {one} of {four} clocks.**"
     )
 

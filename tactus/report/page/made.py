@@ -10,6 +10,8 @@ from fractions import Fraction
 from functools import cache, partial
 from itertools import zip_longest
 
+import numpy as np
+
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import LanePipeline, Pipeline
@@ -21,12 +23,13 @@ from tactus.core.schema import key_rows
 from tactus.errors import decisions_of, held_out_or_all
 from tactus.report.activations import activation_table, plot
 from tactus.report.designs import designs, picture_of, refused_lines
+from tactus.report.draw.load import load_profile
 from tactus.report.draw.network import network
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Table, cell_text, markdown
 from tactus.report.page import blocks, sign_off
 from tactus.report.page.headline import headline
-from tactus.scene import Scene, class_names, load_scene, scene_names
+from tactus.scene import Scene, class_names, load_scene, scene_names, thesis_table
 from tactus.scene.building import compared
 from tactus.scene.keys import SCENE
 from tactus.sizing.candidates import Refused, Sized
@@ -152,6 +155,20 @@ def design_picture() -> str:
     return picture_of(scene, found, "xc2v")
 
 
+def profiles() -> str:
+    """The loads of Figures 5.26 to 5.29, in the middle of the beam."""
+    scene, loads = load_scene("thesis"), thesis_table("loads")
+    targets = scene.vectors().targets
+    frames = {}
+    for name in thesis_table("load_function")["shown"]:
+        load, width, shape = loads[name]
+        same = np.isclose(targets, (load, MIDDLE, width, shape), atol=1e-3).all(axis=1)
+        frames[f"load {name}"] = int(np.argmax(same))
+    return load_profile(scene, frames)
+
+
+# The coded position of the recorded loads that are nearest to the middle.
+MIDDLE = 0.495
 CELLS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
 # Who drives a wire, seen from the board.
 INPUTS = ("miso", "rx")
@@ -234,6 +251,7 @@ MADE: dict[str, Callable[[], str]] = {
     "held-out": design_spreads,
     "picture-of-designs": partial(picture, design_picture),
     "floors": floors,
+    "profiles": partial(picture, profiles),
     "networks": partial(picture, lambda: network(load_scene("digit"))),
     "segments": segments,
     "activation-errors": lambda: as_page(activation_table()),
