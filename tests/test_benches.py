@@ -13,6 +13,7 @@ import re
 import signal
 import warnings
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import tiered
@@ -23,7 +24,7 @@ from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome, run_job
-from tactus.verify.benches.simulate import Run, analyse, simulate
+from tactus.verify.benches.simulate import analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.record import recorded_cases, stale_records
 from tb.common.bench import CONFIGURATION
@@ -139,23 +140,30 @@ HEAD = "import json, os, pathlib, cocotb, cocotb.triggers\n\n"
 
 
 @pytest.fixture(params=SIMULATORS)
-def wire(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
+def wire(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, Any]:
     """A run of an entity that is a wire. A test writes its bench ``bench.py`` into the folder."""
     for name, text in ((f"{ENTITY}.vhd", VHDL.replace("wire", ENTITY)), (f"{ENTITY}.v", VERILOG)):
         (tmp_path / name).write_text(text)
     if request.param == "ghdl":
         analyse([tmp_path / f"{ENTITY}.vhd"], tmp_path)
-    sources = (tmp_path / f"{ENTITY}.v",)
-    return Run(request.param, ENTITY, "bench", sources, tmp_path, tmp_path / "run", waves=False)
+    return {
+        "simulator": request.param,
+        "entity": ENTITY,
+        "module": "bench",
+        "sources": [tmp_path / f"{ENTITY}.v"],
+        "library": tmp_path,
+        "folder": tmp_path / "run",
+        "waves": False,
+    }
 
 
-def play(run: Run, bench: str, **environment: str) -> tuple[bool, str]:
+def play(run: dict[str, Any], bench: str, **environment: str) -> tuple[bool, str]:
     """Whether a bench passed, and its log."""
-    folder = run.library
+    folder = run["library"]
     (folder / "bench.py").write_text(HEAD + bench)
     given = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)} | environment
     log = folder / "log.txt"
-    return simulate(run, given, log), log.read_text()
+    return simulate(**run, environment=given, log=log), log.read_text()
 
 
 SOUND = """
@@ -179,7 +187,9 @@ async def ends(dut):
 """
 
 
-def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd) -> None:
+def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
+    wire: dict[str, Any], capfd
+) -> None:
     def shared_by_the_process() -> list[object]:
         logs = [logging.getLogger(name) for name in ("", "cocotb")]
         handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
@@ -191,7 +201,7 @@ def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd
     assert "bench.passes" in log
     assert capfd.readouterr() == ("", "")
     assert shared_by_the_process() == before
-    assert not list(wire.folder.glob("*.ghw")) + list(wire.folder.glob("*.fst"))
+    assert not list(wire["folder"].glob("*.ghw")) + list(wire["folder"].glob("*.fst"))
 
 
 @pytest.mark.parametrize(
@@ -200,7 +210,7 @@ def test_a_bench_that_passes_prints_nothing_and_changes_nothing(wire: Run, capfd
     ids=["wrong", "skipped", "ended", "without-tests"],
 )
 def test_a_bench_that_does_not_pass_is_false_and_its_log_says_why(
-    wire: Run, bench: str, said: str, capfd
+    wire: dict[str, Any], bench: str, said: str, capfd
 ) -> None:
     good, log = play(wire, bench)
     assert not good
@@ -208,16 +218,18 @@ def test_a_bench_that_does_not_pass_is_false_and_its_log_says_why(
     assert capfd.readouterr() == ("", "")
 
 
-def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: Run) -> None:
-    (wire.library / f"{ENTITY}.v").write_text("module other; endmodule\n")
-    for unit in wire.library.glob("*.cf"):
+def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: dict[str, Any]) -> None:
+    (wire["library"] / f"{ENTITY}.v").write_text("module other; endmodule\n")
+    for unit in wire["library"].glob("*.cf"):
         unit.unlink()
     good, log = play(wire, SOUND)
     assert not good
     assert ENTITY in log
 
 
-def test_the_environment_is_the_given_one_alone(wire: Run, tmp_path: Path, monkeypatch) -> None:
+def test_the_environment_is_the_given_one_alone(
+    wire: dict[str, Any], tmp_path: Path, monkeypatch
+) -> None:
     elsewhere = tmp_path / "elsewhere.xml"
     inherited = {
         "COCOTB_TEST_FILTER": "matches_nothing",
@@ -231,19 +243,18 @@ def test_the_environment_is_the_given_one_alone(wire: Run, tmp_path: Path, monke
         monkeypatch.setenv(name, value)
     good, log = play(wire, SOUND, GIVEN="yes")
     assert good, log
-    seen = json.loads((wire.folder / "environment.json").read_text())
+    seen = json.loads((wire["folder"] / "environment.json").read_text())
     assert seen["GIVEN"] == "yes"
     assert {name for name in inherited if name in seen} == {"COCOTB_RESULTS_FILE"}
-    assert Path(seen["COCOTB_RESULTS_FILE"]).parent == wire.folder
+    assert Path(seen["COCOTB_RESULTS_FILE"]).parent == wire["folder"]
     assert not elsewhere.exists()
 
 
-def test_waves_are_written(wire: Run) -> None:
-    waves = Run(**(vars(wire) | {"waves": True}))
-    good, log = play(waves, SOUND)
+def test_waves_are_written(wire: dict[str, Any]) -> None:
+    good, log = play(wire | {"waves": True}, SOUND)
     assert good, log
-    ending = {"ghdl": "ghw", "icarus": "fst"}[wire.simulator]
-    assert (wire.folder / f"{ENTITY}.{ending}").stat().st_size > 0
+    ending = {"ghdl": "ghw", "icarus": "fst"}[wire["simulator"]]
+    assert (wire["folder"] / f"{ENTITY}.{ending}").stat().st_size > 0
 
 
 def test_a_job_inherits_no_variable_that_changes_a_bench(

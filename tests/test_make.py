@@ -166,7 +166,7 @@ def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
         ("clean ALL=1", "ALL=: make clean takes no such variable, expected one of DRY,"),
         ("sim a`touch>ran`=1", "a`touch>ran`=: make sim takes no such variable"),
         ("sim DRY=no", "DRY=no: expected 1, or 0 or nothing"),
-        ("demo FULL=2", "FULL=2: expected 1"),
+        ("sim WAVES=2", "WAVES=2: expected 1"),
         ("test ALL=maybe", "ALL=maybe: expected 1"),
         ("sim WAVES=`touch${IFS}ran`", "WAVES=.*: expected 1"),
     ],

@@ -28,7 +28,7 @@ from tactus.report.page.content import bench_table
 from tactus.report.page.headline import headline
 from tactus.scene import DEFAULT_SCENES, Scene
 from tactus.scene.vectors import warn_outside
-from tactus.verify.benches.results import left_texts, simulate
+from tactus.verify.benches.results import simulate
 from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import SIMULATORS, language, simulator_versions
 from tactus.verify.every_frame.verdict import DIFFERS, PROVED, SAID
@@ -58,7 +58,7 @@ def bench_lines(scene: Scene, results: dict[str, Any]) -> list[str]:
         *bench_table(results).lines(),
         f"{results['benches']} benches ({kept}), {results['failed']} failed, "
         f"{results['compared']} values compared bit for bit",
-        *(line for text in left_texts(results) for line in textwrap.wrap(text, 100)),
+        *(line for text in results["left_out"] for line in textwrap.wrap(text, 100)),
     ]
 
 
@@ -70,18 +70,18 @@ def main() -> int:
         scenes = [ready_scene(name) for name in names]
     stop_if_dry_run(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
     with held(BUILD / scene.name for scene in scenes):
-        code = demonstrate(scenes, arguments.full)
+        code = demonstrate(scenes)
     if code == 0:
         print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return code
 
 
-def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
+def demonstrate(scenes: Sequence[Scene]) -> int:
     """Simulate, export and report scenes, and return the exit code."""
     results = {}
     for scene in scenes:
         warn_outside(scene)
-        results[scene.name] = simulate(scene, full)
+        results[scene.name] = simulate(scene)
         print("\n".join(bench_lines(scene, results[scene.name])))
     if any(found["failed"] for found in results.values()):
         return 1

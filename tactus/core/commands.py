@@ -144,7 +144,6 @@ BAUD = number("BAUD", 300, 12_000_000)
 PORT = word("PORT", "/dev/ttyUSB0", default="", needed=True)
 HARDWARE = option("HARDWARE", "scene")
 RECORD = flag("RECORD")
-FULL = flag("FULL")
 FORCE = flag("FORCE")
 TESTS = option("TESTS", "tests/test_x.py")
 
@@ -152,9 +151,8 @@ COMMANDS = (
     Command(
         "demo",
         "Simulates every block of a scene, exports it and prints the table of its errors; without "
-        "SCENE= it does so for scenes thesis and digit, and compares with the thesis. FULL=1 "
-        "simulates each entity of a block by itself too.",
-        (OPTIONAL_SCENE, FULL),
+        "SCENE= it does so for scenes thesis and digit, and compares with the thesis.",
+        (OPTIONAL_SCENE,),
         "tactus.cli.demo",
     ),
     Command(

@@ -40,7 +40,7 @@ from tactus.report.page import summary
 from tactus.report.page.summary import Costs, blocks, costs, frame
 from tactus.scene import Scene
 from tactus.scene.building import compared
-from tactus.verify.benches.results import left_texts, stored_results
+from tactus.verify.benches.results import stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
 from tactus.verify.prove import proof_line
@@ -209,7 +209,7 @@ def _verified(scene: Scene) -> Section:
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit.",
     ]
-    said += left_texts(results)
+    said += results["left_out"]
     return Section("verified", "Verified", text=said, folded=[bench_table(results)])
 
 

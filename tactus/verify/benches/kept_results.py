@@ -39,13 +39,12 @@ REGISTRIES = ("golden.activation.schemes", "golden.networks.designs")
 BLOCKS = tuple(f"golden.{area}." for area in AREAS)
 
 
-def kept(job: Job, key: store.Key | None = None) -> Outcome | None:
+def kept(job: Job) -> Outcome | None:
     """The kept result of a bench, if nothing that it depends on has changed.
 
-    A result of all tests of a bench also counts as the result of one of them. ``key`` is the
-    bench's key, where the caller has it already.
+    A result of all tests of a bench also counts as the result of one of them.
     """
-    key = key or bench_key(job)
+    key = bench_key(job)
     for test in dict.fromkeys((job.test, "")):
         found = store.read(replace(key, parts=key.parts | {"test": test}), job.build)
         if found is not None:
@@ -53,9 +52,10 @@ def kept(job: Job, key: store.Key | None = None) -> Outcome | None:
     return None
 
 
-def run_and_keep(job: Job, key: store.Key | None = None) -> Outcome:
+def run_and_keep(job: Job) -> Outcome:
     """Run a bench, even if a result is kept, and keep the new result."""
-    key = key or bench_key(job)
+    # What it depends on may change while it runs.
+    key = bench_key(job)
     outcome = run_job(job)
     if outcome.passed:
         store.write(key, {name: getattr(outcome, name) for name in FACTS}, job.build)
@@ -63,8 +63,7 @@ def run_and_keep(job: Job, key: store.Key | None = None) -> Outcome:
 
 
 def run_kept(job: Job) -> Outcome:
-    key = bench_key(job)
-    return kept(job, key) or run_and_keep(job, key)
+    return kept(job) or run_and_keep(job)
 
 
 def bench_key(job: Job) -> store.Key:

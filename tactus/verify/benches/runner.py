@@ -29,7 +29,7 @@ from tactus.core.progress import Progress
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
 from tactus.verify.benches.blocks import check_block
-from tactus.verify.benches.simulate import Run, analyse, simulate
+from tactus.verify.benches.simulate import analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS, check_simulator, language
 from tb.common.bench import CONFIGURATION
 from tb.common.bench_input import BenchInput
@@ -90,15 +90,6 @@ class Job:
     @property
     def trace_file(self) -> Path:
         return self.folder / "trace.jsonl"
-
-    @property
-    def build_folder(self) -> Path:
-        return self.folder / "build"
-
-    @property
-    def library(self) -> Path:
-        """The library into which GHDL has compiled the files, once for all jobs."""
-        return library(self.scene, self.build)
 
     @property
     def twin(self) -> Block:
@@ -283,15 +274,6 @@ def run_job(job: Job) -> Outcome:
         "trace": str(job.trace_file.resolve()) if job.trace else "",
         "rerun": f"{rerun} SEED={job.seed}",
     }
-    run = Run(
-        job.simulator,
-        job.entity,
-        f"tb.{job.area}.tb_{job.block}",
-        tuple((job.hdl_folder / name).resolve() for name in job.files),
-        job.library.resolve(),
-        job.build_folder.resolve(),
-        job.waves,
-    )
     # An inherited variable could change what the bench does.
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("COCOTB", "TACTUS"))}
     environment |= {
@@ -305,7 +287,17 @@ def run_job(job: Job) -> Outcome:
         "OPENBLAS_NUM_THREADS": "1",
     }
     started = time.perf_counter()
-    sound = simulate(run, environment, job.folder / "log.txt")
+    sound = simulate(
+        job.simulator,
+        job.entity,
+        f"tb.{job.area}.tb_{job.block}",
+        [(job.hdl_folder / name).resolve() for name in job.files],
+        library(job.scene, job.build).resolve(),
+        (job.folder / "build").resolve(),
+        job.waves,
+        environment,
+        job.folder / "log.txt",
+    )
     # The recorded frames in it would fill the disk if there are many entities.
     job.given_file.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)

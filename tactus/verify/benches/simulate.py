@@ -9,7 +9,6 @@ import threading
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -34,26 +33,6 @@ QUIET_AT_0 = "--ieee-asserts=disable-at-0"
 TIMESCALE = "1ns/1ps"
 # Where cocotb writes what became of each test, in the folder of a run.
 RESULTS = "results.xml"
-
-
-@dataclass(frozen=True)
-class Run:
-    """One entity in one simulator.
-
-    simulator, entity, module: ``module`` is that of the bench.
-    sources: The files in compile order, for Icarus, which compiles every entity from its own
-        sources.
-    library: The library with all entities, for GHDL; ``analyse`` has filled it.
-    folder: The folder of the build and the run.
-    """
-
-    simulator: str
-    entity: str
-    module: str
-    sources: tuple[Path, ...]
-    library: Path
-    folder: Path
-    waves: bool
 
 
 @cache
@@ -169,30 +148,47 @@ class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
         return [link, *super().build_command()]
 
 
-def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
-    """Build and simulate, and return whether every test of the bench ran and passed."""
-    arguments = {
-        "module": run.module,
-        "sim_build": run.folder,
-        "waves": run.waves,
+def simulate(
+    simulator: str,
+    entity: str,
+    module: str,
+    sources: Iterable[Path],
+    library: Path,
+    folder: Path,
+    waves: bool,
+    environment: dict[str, str],
+    log: Path,
+) -> bool:
+    """Build and simulate an entity, and return whether every test of its bench ran and passed.
+
+    module: The bench.
+    sources: The files in compile order, for Icarus, which compiles every entity from its own
+        sources.
+    library: The library with all entities, for GHDL; ``analyse`` has filled it.
+    folder: The folder of the build and the run.
+    """
+    arguments: dict[str, Any] = {
+        "module": module,
+        "sim_build": folder,
+        "waves": waves,
         "extra_env": environment,
         "log": log,
     }
-    if run.simulator == "ghdl":
+    if simulator == "ghdl":
         arguments |= {
             "simulator": Ghdl,
-            "toplevel": f"work.{run.entity}",
+            "toplevel": f"work.{entity}",
             "toplevel_lang": "vhdl",
             # The list is empty, because cocotb-test would compile the files again for each entity.
             "vhdl_sources": {},
-            "compile_args": [VHDL, f"--workdir={run.library}"],
+            "compile_args": [VHDL, f"--workdir={library}"],
             "sim_args": [QUIET_AT_0],
         }
     else:
         arguments |= {
             "simulator": Icarus,
-            "toplevel": run.entity,
-            "verilog_sources": list(run.sources),
+            "toplevel": entity,
+            "verilog_sources": list(sources),
             "timescale": TIMESCALE,
         }
     try:
