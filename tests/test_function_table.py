@@ -157,8 +157,14 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
 # In files and scenes.
 
 
+def keys(*functions: Function) -> list[tuple[str, str]]:
+    return [(function.name, function.expression) for function in functions]
+
+
 def scene_of(folder: Path, kinds: str = '["table:softsign"]') -> Path:
-    path = on_engine(folder, [network((2, 3, 1), ("table:softsign",))], functions=(SOFTSIGN, BELL))
+    path = on_engine(
+        folder, [network((2, 3, 1), ("table:softsign",))], functions=keys(SOFTSIGN, BELL)
+    )
     path.write_text(path.read_text().replace("hidden = 3", f"hidden = 3\nactivations = {kinds}"))
     return path
 
@@ -199,7 +205,7 @@ def test_sums_beyond_a_table_are_named(tmp_path: Path, function: Function, reach
         functions=(function,) * 2,
     )
     dense = network_of([first, Dense(np.array([[0.01, 0.1]]), np.zeros(1))])
-    path = on_engine(tmp_path, [dense], functions=(GELU, BELL))
+    path = on_engine(tmp_path, [dense], functions=keys(GELU, BELL))
     text = path.read_text()
     points = (
         f"points = {{ x = {[x for x, _ in POINTS.points]}, y = {[y for _, y in POINTS.points]} }}"

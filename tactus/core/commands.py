@@ -389,19 +389,18 @@ COMMANDS = (
         "takes the entities of a scene, SEED= draws other mutants, and RECORD=1 records the "
         "result.",
         (BLOCK, option("SCENE"), RECORD, SEED),
-        "tactus.verify.sign_off.mutate",
+        "tactus.verify.sign_off.mutate.score",
     ),
     Command(
         "certify",
         "Writes a folder that shows that the export of a scene computes its network: frames in "
         "both simulators, a proof for every frame, digests, and a script that checks all of it "
         "again without tactus. FRAMES= is the number of random frames, and RECORDED= that of "
-        "recorded ones; without it, it is all. NETLIST= adds the mapped cells of a family.",
+        "recorded ones; without it, it is all.",
         (
             SCENE,
             number("FRAMES", 0, 100_000),
             SEED,
-            option("NETLIST", "1|virtex-2|series-7|ecp5|ice40"),
             number("RECORDED", 1, 100_000),
         ),
         "tactus.certify",

@@ -1,12 +1,11 @@
 """Writes scenes of random networks: the cases of benches, and what tests make up."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from golden.trained.dense import DenseNetwork
-from golden.trained.function import Function
-from golden.trained.window import Window
 from tactus.core.templates import environment
 from tactus.network_files.network_file import save_network
 from tactus.scene import Scene, load_scene
@@ -18,22 +17,7 @@ OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
 
 def scene_of(case: Case, folder: Path, name: str) -> Scene:
     """The scene of a case, written to a folder."""
-    path = write_scene(
-        folder,
-        name,
-        case.precision,
-        case.networks(),
-        case.arrangement,
-        case.activation,
-        case.options,
-        design=case.design,
-        sections=case.sections,
-        interface=case.interface,
-        hardware=case.hardware,
-        window=case.window,
-        functions=case.named_functions(),
-    )
-    return load_scene(str(path))
+    return load_scene(str(_write(case, folder, name, case.networks(), 12)))
 
 
 def write_scene(
@@ -45,20 +29,25 @@ def write_scene(
     activation: str = "gradient",
     options: str | None = None,
     rows: int = 12,
-    design: str = "hybrid",
-    sections: str = "",
-    interface: str = "stream",
-    hardware: str = "",
-    window: Window | None = None,
-    functions: tuple[Function, ...] = (),
+    **keys: Any,
 ) -> Path:
     """Write a scene with random vectors and the given networks, and return its TOML file.
 
-    ``hardware`` has the keys that only concern the design. ``sections`` are optional sections of
-    the scene; if there are any, y1 and y2 have lengths. Without a ``window`` the networks take
-    every frame as it is. With one there are ``rows`` frames after those that lack a complete past.
-    ``functions`` are expressions, which the networks name.
+    ``keys`` are further fields of a ``Case``: ``hardware`` has the keys that only concern the
+    design. ``sections`` are optional sections of the scene; if there are any, y1 and y2 have
+    lengths. Without a ``window`` the networks take every frame as it is. With one there are
+    ``rows`` frames after those that lack a complete past.
     """
+    more: dict[str, Any] = {
+        "arrangement": arrangement,
+        "activation": activation,
+        "options": options,
+    }
+    return _write(Case([], precision, **more, **keys), folder, name, networks, rows)
+
+
+def _write(case: Case, folder: Path, name: str, networks: list[DenseNetwork], rows: int) -> Path:
+    window = case.window
     inputs = len(window.delays) if window else networks[0].shape[0]
     rows += window.past if window else 0
     outputs = sum(network.shape[-1] for network in networks)
@@ -75,26 +64,20 @@ def write_scene(
     if len(networks) > 1:
         hidden = [one[0] if len(one) == 1 else 0 for one in layers]
     weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(networks)))]
+    options = OPTIONS.get(case.activation, "{}") if case.options is None else case.options
     text = (
         environment("tactus.verify.benches")
         .get_template("scene.toml.jinja")
         .render(
+            case=case,
             name=name,
             sensors=sensors,
             outputs=targets,
             window=window,
             lengths=LENGTHS,
-            arrangement=arrangement,
             hidden=hidden[0] if len(hidden) == 1 else hidden or 0,
             weights=weights[0] if len(weights) == 1 else weights,
-            functions=functions,
-            design=design,
-            activation=activation,
-            options=OPTIONS.get(activation, "{}") if options is None else options,
-            precision=precision,
-            interface=interface,
-            hardware=hardware,
-            sections=sections,
+            options=options,
         )
     )
     path = folder / f"{name}.toml"

@@ -18,6 +18,12 @@ from tactus.synth.tools import run_tool
 FILE = Path(__file__).parent / "explained.toml"
 
 
+@cache
+def _entries() -> dict[str, list[dict[str, Any]]]:
+    """The entries by block. The file is read only once, because many mutants are looked up."""
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))
+
+
 def explanations(block: str, case: str) -> dict[str, str]:
     """The reasons for a block in a case of its bench, by a pattern of what mutants change.
 
@@ -27,34 +33,10 @@ def explanations(block: str, case: str) -> dict[str, str]:
     return {entry["mutants"]: " ".join(entry["reason"].split()) for entry in entries}
 
 
-@cache
-def _entries() -> dict[str, list[dict[str, Any]]]:
-    """The entries by block. The file is read only once, because many mutants are looked up."""
-    return tomllib.loads(FILE.read_text(encoding="utf-8"))
-
-
 def explain(block: str, case: str, what: str) -> str:
     """The reason that is written for a mutant; empty where there is none."""
-    for pattern, reason in explanations(block, case).items():
-        if re.fullmatch(pattern, what):
-            return reason
-    return ""
-
-
-# More than any entity has.
-MOST = 100_000_000
-
-
-def population(entities: Sequence[str], seed: int, folder: Path) -> int:
-    """Count the possible mutants of some entities, in a folder where ``make_mutants`` has been.
-
-    By which other bit each bit is made wrong is drawn, too, and where that is a constant or the bit
-    itself the mutant counts as another or as none. So the number hangs a little on the seed.
-    """
-    of = " ".join(entities)
-    script = f"read_rtlil base.il; mutate -list {MOST} -seed {seed} -o every.txt {of}"
-    run_tool("yosys", ["-q", "-p", script], folder)
-    return len({change for change, _ in changes("every.txt", folder)} - {None})
+    reasons = explanations(block, case).items()
+    return next((reason for pattern, reason in reasons if re.fullmatch(pattern, what)), "")
 
 
 # As many times what is asked for are listed, since some change nothing.
@@ -82,7 +64,9 @@ def make_mutants(
         f"mutate -list {SPARE * count} -seed {seed} -o mutants.txt {' '.join([entity, *parts])}"
     )
     run_tool("yosys", ["-q", "-p", script], folder)
-    different = dict(reversed(changes("mutants.txt", folder)))
+    modules = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"]
+    listed = (folder / "mutants.txt").read_text(encoding="utf-8").splitlines()
+    different = {_change(command, modules): command for command in reversed(listed)}
     different.pop(None, None)
     # Dictionaries keep their order, and so does a seeded choice.
     commands = list(reversed(different.values()))
@@ -94,13 +78,6 @@ def make_mutants(
 def given(command: str) -> dict[str, str]:
     words = command.split()
     return {key[1:]: value for key, value in zip(words[1::2], words[2::2], strict=True)}
-
-
-def changes(listed: str, folder: Path) -> list[tuple[tuple[str, ...] | None, str]]:
-    """What each command of a file changes in the sound netlist, and the command."""
-    modules = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"]
-    commands = (folder / listed).read_text(encoding="utf-8").splitlines()
-    return [(_change(command, modules), command) for command in commands]
 
 
 def _change(command: str, modules: dict[str, Any]) -> tuple[str, ...] | None:

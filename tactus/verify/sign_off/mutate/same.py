@@ -41,18 +41,17 @@ def proved(
     folder: Path,
     masks: dict[str, str],
     explained: Collection[int] = (),
-) -> list[tuple[str, str]]:
-    """Of each mutant whether it is the same, another, or neither is proved; and how.
+) -> list[str]:
+    """Of each mutant whether it is the same, another, or neither is proved.
 
     Those that are ``explained``, by number from 1, are looked at within a clock alone.
     """
     if not commands:
         return []
     flat = flatten(commands, entity, folder)
-    answers = dict.fromkeys(range(1, len(commands) + 1), (SAME, "nothing reads it"))
-    answers |= dict.fromkeys(flat.chosen, (SAME, "in every state"))
-    verdicts = _within_a_clock(flat, folder)
-    asked = [n for n, verdict in verdicts.items() if verdict != SAME]
+    # What nothing reads is the same, and so is what differs from no state within a clock.
+    answers = dict.fromkeys(range(1, len(commands) + 1), SAME)
+    asked = [n for n, verdict in _within_a_clock(flat, folder).items() if verdict != SAME]
 
     def work(n: int) -> str:
         if n in explained:
@@ -62,9 +61,8 @@ def proved(
         return _over_clocks(states, outputs)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        later = pool.map(work, asked)
-    answers |= {n: (verdict, "over clocks") for n, verdict in zip(asked, later, strict=True)}
-    return [answers[n] for n in sorted(answers)]
+        answers |= zip(asked, pool.map(work, asked), strict=True)
+    return list(answers.values())
 
 
 def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:

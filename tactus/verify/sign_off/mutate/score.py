@@ -1,4 +1,4 @@
-"""The mutation score of one entity.
+"""``make mutate``: the mutation score of one block, or of every block.
 
 1. The bench runs once on the sound hardware, and records what it drove, what it saw, and where it
    looked.
@@ -10,11 +10,13 @@
    explained mutant only the proof within one clock is tried.
 """
 
+import argparse
 import json
 import os
 import random
 import re
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -22,9 +24,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from tactus.core import store
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.closure import code
+from tactus.core.commands import arguments_of
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.core.machine import processor_line, processor_minutes
+from tactus.scene import load_scene
 from tactus.synth.tools import digest, version_of
+from tactus.verify.benches.blocks import check_block
 from tactus.verify.benches.collected import mutated_parts
 from tactus.verify.benches.kept_results import bench_key
 from tactus.verify.benches.runner import Job, run_job
@@ -33,12 +43,19 @@ from tactus.verify.sign_off.mutate.mutants import (
     explain,
     given,
     make_mutants,
-    population,
     write_netlists,
 )
 from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import SAME, proved
-from tactus.verify.sign_off.record import source
+from tactus.verify.sign_off.record import (
+    cases_line,
+    chosen_blocks,
+    hold_recorded,
+    recorded_subjects,
+    source,
+    subjects_of,
+    write_record,
+)
 
 COUNT = 200
 SEED = 1
@@ -72,7 +89,7 @@ class Subject:
         return [self.netlists[number], *(self.folder / n for n in self.job.files if n not in own)]
 
 
-def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Subject:
+def prepare(job: Job, folder: Path, count: int, seed: int) -> Subject:
     """Make the mutants of an entity."""
     for file in job.files:
         shutil.copy(job.hdl_folder / file, folder)
@@ -127,35 +144,22 @@ def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
     return sorted([*alone.values(), *rest[: max(0, SAMPLE - len(alone))]])
 
 
-def score(
-    job: Job,
-    count: int = COUNT,
-    seed: int = SEED,
-    tell: Callable[[str], None] = lambda _: None,
-) -> dict[str, Any]:
+def score(job: Job, seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """How many mutants of an entity are detected, and what becomes of the others."""
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
-        subject = prepare(job, Path(name), count, seed)
+        subject = prepare(job, Path(name), COUNT, seed)
         trace, played = record_trace(subject)
-        possible = population([job.entity, *subject.parts], seed, subject.folder)
-        tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
+        tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
         found = _found(subject, trace, seed, pool, tell)
-    survivors = [
-        one | {"explained": explain(job.block, job.scene.name, one["what"])}
-        for one in found["survivors"]
-    ]
-    excused = sum(bool(one["explained"]) for one in survivors)
+    excused = sum(bool(one["explained"]) for one in found["survivors"])
+    counted = len(subject.mutants) - found["same"] - excused
     return found | {
         **source(job, played),
         "scene": job.scene.name,
         "entity": job.entity,
-        "seed": seed,
-        "clocks": trace.rows,
         "mutants": len(subject.mutants),
-        "population": possible,
-        "score": round(found["killed"] / max(1, len(subject.mutants) - found["same"] - excused), 4),
+        "score": round(found["killed"] / max(1, counted), 4),
         "explained": excused,
-        "survivors": survivors,
     }
 
 
@@ -177,44 +181,40 @@ def _found(
         found: list[str] = store.cached(asked, lambda: replay(trace, subject.sources(number)))
         return found
 
-    def found_by_bench(asked: list[int]) -> list[int]:
+    def found_by_bench(asked: list[int]) -> set[int]:
         answers = pool.map(lambda number: run_bench(subject, number), asked)
-        return [number for number, red in zip(asked, answers, strict=True) if red]
+        return {number for number, red in zip(asked, answers, strict=True) if red}
 
     seen = pool.map(play, numbers)
     differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
     tell(f"{len(differ)} differ")
-    asked = sample(differ, seed)
+    detected, asked = {*differ}, sample(differ, seed)
     confirmed = found_by_bench(asked)
     if len(confirmed) < len(asked):
         tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
-        asked = sorted(differ)
-        differ = {n: differ[n] for n in found_by_bench(asked)}
-    left = [n for n in numbers if n not in differ]
-    places = {n: describe(mutants[n - 1], subject.folder) for n in left}
-    block, case = subject.job.block, subject.job.scene.name
-    explained = {n for n in left if explain(block, case, places[n][1])}
+        detected = found_by_bench(sorted(differ))
+    left = [n for n in numbers if n not in detected]
+    survivors = {}
+    for n in left:
+        where, what = describe(mutants[n - 1], subject.folder)
+        reason = explain(subject.job.block, subject.job.scene.name, what)
+        survivors[n] = {"where": where, "what": what, "explained": reason}
+    explained = {n for n in left if survivors[n]["explained"]}
     verdicts = _proofs(subject, left, explained, trace.masks)
-    same = [n for n in left if verdicts[n][0] == SAME]
+    same = {n for n in left if verdicts[n] == SAME}
     left = [n for n in left if n not in same]
     tell(f"{len(same)} are proved equivalent, {len(left)} are left")
     late = found_by_bench(left)
-    survivors = []
-    for number in (n for n in left if n not in late):
-        where, what = places[number]
-        survivors.append({"where": where, "what": what})
     return {
-        "killed": len(differ) + len(late),
+        "killed": len(detected) + len(late),
         "same": len(same),
-        "same in every state": sum(verdicts[n][1] != "over clocks" for n in same),
-        "bench run on": len({*asked, *left}),
-        "survivors": survivors,
+        "survivors": [survivors[n] for n in left if n not in late],
     }
 
 
 def _proofs(
     subject: Subject, left: list[int], explained: set[int], masks: dict[str, str]
-) -> dict[int, tuple[str, str]]:
+) -> dict[int, str]:
     """What is proved of each of these mutants; known answers are not looked for again.
 
     For an ``explained`` mutant only the proof within one clock is tried.
@@ -313,3 +313,75 @@ def _plain(lines: list[str]) -> str:
     text = re.sub(r"\s+", " ", " ".join(line.partition("//")[0] for line in lines)).strip()
     named = re.match(r"always .*?begin: (\w+)|(\w+) \( ?\.", text)
     return (named[1] or named[2]) if named else text
+
+
+# Two blocks run side by side, because parts of the work, such as the first run of the bench, use a
+# single processor.
+BESIDE = 2
+
+
+def line(block: str, facts: dict[str, Any]) -> str:
+    """A row of the table."""
+    real = len(facts["survivors"]) - facts["explained"]
+    return (
+        f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} detected "
+        f"{facts['same']:4} equivalent {facts['explained']:3} explained {real:3} not explained  "
+        f"score {100 * facts['score']:6.2f} %"
+    )
+
+
+def main() -> int:
+    arguments = arguments_of("mutate", __doc__)
+    if arguments.record and arguments.seed != SEED:
+        raise InputError(
+            f"RECORD=1: got SEED={arguments.seed}, expected none: records are of seed {SEED}, so "
+            "that another run can compare itself with them"
+        )
+    if arguments.scene and arguments.record:
+        raise InputError(
+            "RECORD=1: got SCENE= too, expected none: only the cases of benches are recorded"
+        )
+    if arguments.scene:
+        scene = load_scene(arguments.scene)
+        check_block(scene, arguments.block)
+        stop_if_dry_run(
+            f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}"
+        )
+        with held([BUILD / scene.name]):
+            jobs = subjects_of(arguments.scene, arguments.block)
+            return mutate({job.block: job for job in jobs}, arguments)
+    blocks = chosen_blocks(arguments.block)
+    print(f"seed {arguments.seed}")
+    print(cases_line(arguments.block), flush=True)
+    stop_if_dry_run(f"export and mutate {len(blocks)} blocks")
+    with hold_recorded(blocks):
+        return mutate(recorded_subjects(blocks), arguments)
+
+
+def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
+    """Find the score of each entity, print it, and return the exit code."""
+    found = True
+
+    def work(name: str, job: Job) -> dict[str, Any]:
+        def tell(text: str) -> None:
+            print(f"{name}: {text}", flush=True)
+
+        facts = score(job, arguments.seed, tell)
+        if arguments.record:
+            write_record("mutation", name, facts)
+        return facts
+
+    with ThreadPoolExecutor(BESIDE) as pool:
+        for name, facts in zip(
+            planned, pool.map(work, *zip(*planned.items(), strict=True)), strict=True
+        ):
+            print(line(name, facts), flush=True)
+            for one in facts["survivors"]:
+                print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
+            found &= all(one["explained"] for one in facts["survivors"])
+    print(processor_line(processor_minutes()))
+    return 0 if found else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
