@@ -23,7 +23,7 @@ from golden.engine.integer_network import LayerRounding, evaluate, sample_words
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.engine.neurons import graph_of
-from golden.engine.pipeline import LanePipeline, Pipeline
+from golden.engine.pipeline import Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
 from golden.engine.schedule import Step, schedule
@@ -116,7 +116,7 @@ def test_the_schedule_respects_hazards(graph: Graph, pipeline: Pipeline) -> None
 
 @pytest.mark.parametrize("registers", [0, 1])
 def test_the_page_says_where_each_field_stands(registers: int) -> None:
-    page, pipeline = PAGE.read_text(), LanePipeline(registers)
+    page, pipeline = PAGE.read_text(), Pipeline(registers)
     names = [field.name for field in fields(LaneInstruction)]
     shared = LaneGraph(2, Graph(1, ()), (), ((0, 0),))
     for name in names:

@@ -16,7 +16,7 @@ from test_engine import random_codes
 from golden.engine.formats import RESULT, WIDTH, signed_code
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
-from golden.engine.pipeline import LanePipeline
+from golden.engine.pipeline import Pipeline
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.design import Settings
@@ -132,7 +132,7 @@ def test_hardware_of_each_kind_has_a_check_of_its_own() -> None:
         for blocks in range(5)
     ]
     kinds += [{"program_words": 1024}, {"program_words": 1024, "segment_width": 8}]
-    kinds += [{"operand_words": 256}, {"pipeline": LanePipeline(1)}]
+    kinds += [{"operand_words": 256}, {"pipeline": Pipeline(1)}]
     assert len({Sizes(**kind).check_start for kind in kinds}) == len(kinds)
 
 

@@ -10,8 +10,10 @@ from pages import cells, section
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.graph import LOOKED_UP, Kind, Term
 from golden.engine.integer_network import evaluate
+from golden.input_error import InputError
 from golden.learning.corrected import THETA, Corrected
 from golden.learning.gradient import Lesson, bounded, equation, lms_step, start
+from golden.learning.program import assembled
 from golden.learning.segments import lms
 from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
@@ -176,42 +178,31 @@ def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
     assert not any(desk.timeline.theta)
 
 
-@pytest.mark.parametrize("sensor", range(4))
-@pytest.mark.parametrize("end", [SIGNAL.low, SIGNAL.high])
-def test_a_reading_at_an_end_is_not_learned_from(
-    twin: LearningEngine, sensor: int, end: int
-) -> None:
-    desk, samples = Desk(twin), np.array([100, -2000, 3000, -400])
-    samples[sensor] = end
-    desk.show(samples, np.array([4000, 1000, 2000, 3000]))
-    desk.play([], learn=1, clocks=3 * twin.longest_equation)
-    met = desk.timeline.met
-    assert (met["clipped frames"], met["targets refused"]) == (1, 1)
-    assert (met["placements"], met["steps taken"]) == (0, 0)
-    # The next frame is as good as ever.
-    samples[sensor] = end + (1 if end < 0 else -1)
-    desk.show(samples, np.array([4000, 1000, 2000, 3000]))
-    assert met["placements"] == 1
-
-
 def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
     """The largest sum of a part, from the program's own words, with every word at its end."""
     program, most = twin.program, 0
     for part in program.parts:
         total = 0
-        for step in program.steps[part]:
-            if not step.real:
-                continue
-            largest = abs(step.weight) << (WIDTH - 1)
-            if step.second >= 0:
+        for step in part:
+            largest = abs(step.field) << (WIDTH - 1)
+            if step.product:
                 largest = 1 << 31
             elif step.kind == 3:
-                largest = abs(step.weight) << DROPPED
+                largest = abs(step.field) << DROPPED
             elif step.kind:
                 largest = 1 << (WIDTH - 1 + DROPPED)
             total = largest + (1 << 17 if step.first else total)
             most = max(most, total)
     assert most < 1 << (twin.acc_width - 1)
+
+
+def test_equations_that_begin_differently_are_refused(twin: LearningEngine) -> None:
+    """The program jumps to the rest of an equation behind steps that all of them have."""
+    program = twin.program
+    frame, keep, first, *others = program.parts
+    with pytest.raises(InputError, match=r"learning: got equations .* whose first 1 steps are al"):
+        assembled(program.places, program.table, [frame, keep, [first[0], *first[2:]], *others])
+    assert assembled(program.places, program.table, program.parts) == program
 
 
 @pytest.mark.parametrize("count", [4, 7, 9])
@@ -248,7 +239,7 @@ def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None
     assert f"{', '.join(map(str, most))} or {last} clocks" in page
     clocks = 400 * 20 * sum(twin.equation_clocks)
     assert f"take {clocks:,} clocks, {clocks / 64e3:.0f} ms" in page
-    assert f"{len(program.table) + len(program.words):,} words with the table" in page
+    assert f"{len(program.words):,} words with the table" in page
     assert f"{program.acc_width} bits" in page
     assert f"{twin.placements}\n  placements" in page
 

@@ -203,14 +203,14 @@ class OperandSelect(Block):
 
     segment_width: Bits of q within a segment. The distance is that of q from the middle of its
         segment.
-    registers: Registers beyond the first, for a table whose word comes later.
     """
 
     block = "operand_select"
     part_of = "learning_engine"
     area = "engine"
+    # The word of the table comes as late.
+    latency = 2
     segment_width: int
-    registers: int = 0
 
     ports = (
         CLOCK,
@@ -220,10 +220,6 @@ class OperandSelect(Block):
         ),
         output_port("operand", "operand, registered", WORD),
     )
-
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,6 @@ FIRST_OF_OUTPUT = (32, 1)
 STORE = (33, 1)
 OUTPUT = (34, 1)
 END = (35, 1)
-INTERCEPT = (WIDTH, WIDTH)
-SLOPE = (0, WIDTH)
 
 
 def put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:

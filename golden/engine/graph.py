@@ -61,6 +61,10 @@ class Term:
         return self.source, self.second
 
 
+# The term of a sum that has no other.
+NOTHING = Term(Kind.ONE, -1, 0)
+
+
 @dataclass(frozen=True)
 class Neuron:
     """A sum of products that is rounded, saturated and stored.

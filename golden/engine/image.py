@@ -28,7 +28,7 @@ from golden.engine.function_table import (
 from golden.engine.graph import Graph
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneProgram, Layout, assemble_lanes
-from golden.engine.pipeline import LanePipeline
+from golden.engine.pipeline import Pipeline
 from golden.input_error import InputError
 from golden.trained.function import TANH
 
@@ -77,7 +77,7 @@ class Sizes:
     program_words: int = 512
     operand_words: int = 128
     segment_width: int = SEGMENT_WIDTH
-    pipeline: LanePipeline = field(default_factory=LanePipeline)
+    pipeline: Pipeline = field(default_factory=Pipeline)
     rectifies: bool = False
     cut: int = 0
     even: bool = False

@@ -23,7 +23,7 @@ from functools import cached_property
 
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.pipeline import Pipeline
-from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
+from golden.engine.schedule import Step, schedule
 from golden.trained.function import Function
 
 # Up to so many lanes, each adds the sum of one other lane at most.
@@ -84,19 +84,15 @@ class LaneGraph:
     groups: tuple[Group, ...]
     weights: tuple[tuple[int, ...], ...]
 
-    def plan(self, graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-        """The steps of a group, with those that add up the sums of lanes at the end."""
-        plan = one_by_one(graph, number, ready, now)
-        if not self.groups[number].joined:
-            return plan
-        steps = [replace(step, last=False) for step in plan.steps]
-        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in reduction_steps(self.lanes)]
-        steps[-1] = replace(steps[-1], last=True)
-        return Plan(tuple(steps), plan.waits, plan.end + len(steps) - len(plan.steps))
+    @property
+    def gathers(self) -> list[int]:
+        """For each group, the steps that add up the sums of lanes."""
+        steps = len(reduction_steps(self.lanes))
+        return [steps * group.joined for group in self.groups]
 
     def schedule(self, pipeline: Pipeline) -> list[Step]:
         """All steps in the order of the program."""
-        return schedule(self.graph, pipeline, self.plan)
+        return schedule(self.graph, pipeline, self.gathers)
 
 
 @dataclass

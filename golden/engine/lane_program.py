@@ -23,7 +23,7 @@ from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, j
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
 from golden.engine.lane_memory import Tabled, block_of
-from golden.engine.pipeline import LanePipeline
+from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
 from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
@@ -139,7 +139,7 @@ class LaneProgram(Tabled):
     segment_width: int
     table: tuple[int, ...]
     words: tuple[int, ...]
-    pipeline: LanePipeline
+    pipeline: Pipeline
     notes: tuple[str, ...]
     rectifies: bool = False
     cut: int = 0
@@ -348,7 +348,7 @@ def assemble_lanes(
     graph: Graph,
     table: LineTable | None,
     lanes: int,
-    pipeline: LanePipeline,
+    pipeline: Pipeline,
     every: bool = False,
     least_addr_width: int = 0,
 ) -> LaneProgram:

@@ -5,15 +5,13 @@ from dataclasses import replace
 
 from golden.engine.formats import DROPPED, RESULT, WIDTH, coeff_frac
 from golden.engine.function_table import format_of
-from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term, start_of
+from golden.engine.graph import LOOKED_UP, NOTHING, Graph, Kind, Neuron, Term, start_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
 from golden.input_error import InputError
 from golden.trained.function import Function
 
 _MOST = (1 << (WIDTH - 1)) - 1
-# The term of a sum that has no other.
-NOTHING = Term(Kind.ONE, -1, 0)
 # A weight that does not fit in a word is as many terms as it takes, up to this number. No program
 # has more words than four times this.
 _MOST_TERMS = 1 << 16

@@ -10,11 +10,16 @@ class Pipeline:
     A field that is used k clocks later is stored k words later in the program, so the control path
     needs no registers of its own.
 
-    memory_registers: Registers behind each memory, 0 or 1; with 1 the engine reaches a faster
-        clock.
+    memory_registers: Registers behind the program, behind the operands and behind the words of each
+        lane's memory, 0 or 1; with 1 the engine reaches a faster clock.
     """
 
     memory_registers: int = 0
+
+    @property
+    def address(self) -> int:
+        """The address of the operand is valid."""
+        return 0
 
     @property
     def operand(self) -> int:
@@ -22,27 +27,34 @@ class Pipeline:
         return 1 + self.memory_registers
 
     @property
-    def table(self) -> int:
-        """Clocks from the address of a segment to the word of the table.
+    def place(self) -> int:
+        """The address of the weight is valid; with the word that was read it is that of a lane."""
+        return self.operand
 
-        With registers there is one clock more, because an additional register can clear the word.
-        """
-        return 1 + 2 * self.memory_registers
+    @property
+    def beside(self) -> int:
+        """The number of the counter in the clock of ``place``, which addresses the weight."""
+        return self.place + 1 + self.memory_registers
 
     @property
     def weight(self) -> int:
-        """The word of the table is valid, and the coefficient, weight or table word, is chosen."""
-        return self.operand + 1 + self.table
+        """The coefficient is valid, and so is the operand that the kind has selected."""
+        return self.operand + 1 + self.memory_registers
 
     @property
     def start(self) -> int:
-        """One clock before the product is valid, because the flag passes a register first."""
-        return self.weight + 2
+        """Two clocks before the product is added, because the flag passes two registers first."""
+        return self.weight
+
+    @property
+    def gather(self) -> int:
+        """One clock before the product, or the sum of another lane in its place, is added."""
+        return self.weight + 1
 
     @property
     def done(self) -> int:
-        """The clock in which the sum is valid, four registers after weight and operand."""
-        return self.weight + 4
+        """The clock in which the sum is valid, three registers after weight and operand."""
+        return self.weight + 3
 
     @property
     def mark(self) -> int:
@@ -93,50 +105,3 @@ class Pipeline:
     def free(self) -> int:
         """Clocks from the last output of a frame until a sample is accepted again."""
         return 1
-
-
-@dataclass(frozen=True)
-class LanePipeline(Pipeline):
-    """The pipeline of an engine with several multipliers.
-
-    A weight and a word of the table come from the same memory, so no register need wait for the
-    table. A result is ready two clocks sooner than with ``Pipeline``.
-
-    With ``memory_registers`` there is one behind the program, one behind the operands and one
-    behind the words of each lane's memory.
-    """
-
-    @property
-    def address(self) -> int:
-        """The address of the operand is valid."""
-        return 0
-
-    @property
-    def place(self) -> int:
-        """The address of the weight is valid; with the word that was read it is that of a lane."""
-        return self.operand
-
-    @property
-    def beside(self) -> int:
-        """The number of the counter in the clock of ``place``, which addresses the weight."""
-        return self.place + 1 + self.memory_registers
-
-    @property
-    def weight(self) -> int:
-        """The coefficient is valid, and so is the operand that the kind has selected."""
-        return self.operand + 1 + self.memory_registers
-
-    @property
-    def start(self) -> int:
-        """Two clocks before the product is added, because the flag passes two registers first."""
-        return self.weight
-
-    @property
-    def gather(self) -> int:
-        """One clock before the product, or the sum of another lane in its place, is added."""
-        return self.weight + 1
-
-    @property
-    def done(self) -> int:
-        """The clock in which the sum is valid, three registers after weight and operand."""
-        return self.weight + 3

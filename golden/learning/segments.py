@@ -16,18 +16,15 @@ Samples and known outputs lie where the sequencer of placements points. The step
 one after the other, are one pass over one placement.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
 
 from golden.engine.formats import DROPPED, RESULT, WIDTH
 from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term, start_of
-from golden.engine.schedule import Step
 from golden.learning.corrected import Corrected
 from golden.learning.gradient import row_weights
 from golden.numbers.fixed import Fix
 
 _WORD = Fix(WIDTH, 0)
-_TABLE = {Kind.INTERCEPT: "intercept of the table", Kind.DISTANCE: "slope of the table"}
 
 
 class Sums:
@@ -134,78 +131,3 @@ def _row(sums: Sums, taught: Corrected, output: int) -> None:
         sums.add(f"by gain {k}", sums.times(f"slope {k}", f"sample {k}"))
         sums.add(f"row {k}", sums.by(f"by gain {k}", int(gains[k])))
         sums.add(f"row {taught.sensors + k}", sums.by(f"slope {k}", int(offsets[k])))
-
-
-@dataclass(frozen=True)
-class Slot:
-    """One step of a program, with addresses in the place of numbers of values.
-
-    source: Address of the word that is read.
-    field: The weight, or the address of the second word of a product.
-    first, of_output: Whether a sum starts, and whether it is one of an output.
-    store, leaves: Whether the sum is stored, and whether its word leaves the engine.
-    places: Whether ``field`` is the address at which the next results are stored.
-    """
-
-    kind: Kind
-    source: int
-    field: int
-    product: bool = False
-    first: bool = False
-    of_output: bool = False
-    store: bool = False
-    leaves: bool = False
-    places: bool = False
-    note: str = "wait"
-
-
-def waiting(address: int) -> Slot:
-    """A step that adds nothing, and reads a word that is there."""
-    return Slot(Kind.WORD, address, 0)
-
-
-def going_to(address: int) -> Slot:
-    """A step between sums, which says where the next results are stored."""
-    return Slot(Kind.ONE, 0, address, places=True, note=f"results go to {address}")
-
-
-def moved(graph: Graph, to: Mapping[int, int]) -> Iterator[Neuron]:
-    """The neurons of a graph, with other numbers of values."""
-    for neuron in graph.neurons:
-        terms = (replace(term, source=to[term.source]) for term in neuron.terms)
-        yield replace(neuron, terms=tuple(terms))
-
-
-def slots(
-    graph: Graph,
-    done: Iterable[Step],
-    names: Sequence[str],
-    addresses: Mapping[int, int],
-    leave: bool = False,
-) -> Iterator[Slot]:
-    """The steps of a graph with their addresses.
-
-    names: The names of the words that are in the memory before.
-    addresses: The address of each value; that of -1 has a word whenever a program runs.
-    leave: Whether outputs leave the engine.
-    """
-    called = {-1: "1"} | dict(enumerate([*names, *(one.name for one in graph.neurons)]))
-    for step in done:
-        if step.neuron < 0:
-            yield waiting(addresses[-1])
-            continue
-        term, neuron = step.term, graph.neurons[step.neuron]
-        product = term.second >= 0
-        by = called[term.second] if product else _TABLE.get(term.kind, str(term.weight))
-        yield Slot(
-            term.kind,
-            addresses[term.source],
-            addresses[term.second] if product else term.weight,
-            product,
-            step.first,
-            step.first and neuron.output,
-            step.last,
-            step.last and neuron.output and leave,
-            note=f"{neuron.name} {'=' if step.first else '+'} {called[term.source]} x {by}"
-            f"{', done' * step.last}",
-        )

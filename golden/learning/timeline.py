@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT, WORD
-from golden.learning.program import EQUATIONS, FRAME, KEEP, LessonProgram
+from golden.learning.program import EQUATIONS, FRAME, KEEP, PIPELINE, LessonProgram
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 
@@ -204,8 +204,8 @@ class Timeline:
 
     def _part(self, t: int, number: int) -> Part:
         """A part that is decided on in a clock."""
-        at = self.program.pipeline
-        return Part(t + 1, t + at.run + self.program.lengths[number] - 1 + at.result)
+        length = self.program.lengths[number]
+        return Part(t + 1, t + PIPELINE.run + length - 1 + PIPELINE.result)
 
     def _take_targets(
         self, t: int, taken: bool, code: int, last: bool, arrives: bool, keeping: bool
@@ -236,14 +236,13 @@ class Timeline:
         self.met["clipped frames"] += self.clipped
         self.met["corrected frames"] += any(self.theta) and self.stepped
         self.frame = self._part(t, FRAME)
-        leaves = iter(self.program.output_steps)
+        leaves = iter(self.program.output_clocks)
         # Until a step has been taken, a frame clears the bank in use, and after that the other one.
         cleared = 1 - self.bank if self.stepped else self.bank
-        for one in self.program.run(FRAME, self.memory, self.bank, 0):
-            self._write(one.address, one.word, cleared)
-            if one.leaves:
-                clock = t + self.program.clock(next(leaves))
-                self.leaving[clock] = int(one.word[0]) >> OUTPUT_SHIFT
+        for slot, word, _ in self.program.run(FRAME, self.memory, self.bank, 0):
+            self._write(slot.store, word, cleared)
+            if slot.leaves:
+                self.leaving[t + next(leaves)] = int(word[0]) >> OUTPUT_SHIFT
 
     def _write(self, address: int, word: Codes | int, bank: int) -> None:
         self.memory[self.program.places.mapped(address, bank, self.written)] = word
@@ -259,8 +258,8 @@ class Timeline:
     def _keep(self) -> None:
         """Keep a placement, with which learning goes on."""
         self.met["placements"] += 1
-        for one in self.program.run(KEEP, self.memory, self.bank, 0):
-            self._write(one.address, one.word, self.bank)
+        for slot, word, _ in self.program.run(KEEP, self.memory, self.bank, 0):
+            self._write(slot.store, word, self.bank)
         self.shown, self.equation = self.written, 0
         self.written = self._next(self.written)
         self.full = self.full or not self.written
@@ -272,9 +271,9 @@ class Timeline:
         """An equation, and the step that follows from it, unless it leaves the format of theta."""
         places, fits = self.program.places, True
         part = EQUATIONS + self.equation
-        for one in self.program.run(part, self.memory, self.bank, self.shown):
-            self._write(one.address, one.word, 1 - self.bank)
-            fits = fits and (bool(one.fits.all()) or not places.of_theta(one.address))
+        for slot, word, held in self.program.run(part, self.memory, self.bank, self.shown):
+            self._write(slot.store, word, 1 - self.bank)
+            fits = fits and (held or not places.of_theta(slot.store))
         self.refused = not fits
         self.met["steps refused" if self.refused else "steps taken"] += 1
         if fits:

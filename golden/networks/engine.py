@@ -22,7 +22,7 @@ from golden.engine.lane_groups import assign_to_lanes
 from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
 from golden.engine.neurons import graph_of
-from golden.engine.pipeline import LanePipeline
+from golden.engine.pipeline import Pipeline
 from golden.engine.program_memory import ProgramMemory, ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
@@ -113,7 +113,7 @@ class Engine(Design):
         if lean and not reload:
             table = table.within(graph.reach(table))
         acc_width = max(LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH, graph.sum_bits(table))
-        pipeline, loaded = LanePipeline(int(depth == "deep")), None
+        pipeline, loaded = Pipeline(int(depth == "deep")), None
         if reload:
             loaded = own_image(graph, {**chosen, "pipeline": pipeline})
             acc_width = loaded.sizes.acc_width

@@ -19,7 +19,7 @@ from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
-from golden.learning.program import EQUATIONS, FRAME, LessonProgram, lesson_program
+from golden.learning.program import EQUATIONS, FRAME, PIPELINE, LessonProgram, lesson_program
 from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, Engine
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
@@ -71,7 +71,7 @@ class LearningEngine(Network):
 
     @property
     def output_clocks(self) -> tuple[int, ...]:
-        return tuple(map(self.program.clock, self.program.output_steps))
+        return self.program.output_clocks
 
     @property
     def clocks_text(self) -> str:
@@ -87,13 +87,13 @@ class LearningEngine(Network):
 
     @property
     def busy(self) -> int:
-        return self.output_clocks[-1] + self.program.pipeline.free - 1
+        return self.output_clocks[-1] + PIPELINE.free - 1
 
     @property
     def equation_clocks(self) -> tuple[int, ...]:
         """Clocks in one piece that the equation of each output takes."""
-        at = self.program.pipeline
-        return tuple(at.run + steps + at.result for steps in self.program.lengths[EQUATIONS:])
+        around = PIPELINE.run + PIPELINE.result
+        return tuple(around + steps for steps in self.program.lengths[EQUATIONS:])
 
     @property
     def longest_equation(self) -> int:
@@ -147,15 +147,13 @@ class LearningEngine(Network):
 
     @property
     def frame_check(self) -> FrameCheck:
-        places, pipeline = self.program.places, self.program.pipeline
-        return FrameCheck(
-            self.inputs, places.sample_width, self.output_clocks[-1], pipeline, results=False
-        )
+        width = self.program.places.sample_width
+        return FrameCheck(self.inputs, width, self.output_clocks[-1], PIPELINE, results=False)
 
     @property
     def frame_guard(self) -> FrameGuard:
         """Takes known outputs as if they were samples; only the lowest bits of addresses count."""
-        return FrameGuard(LEAST_ADDR_WIDTH, self.program.pipeline)
+        return FrameGuard(LEAST_ADDR_WIDTH, PIPELINE)
 
     @property
     def operand_memory(self) -> OperandMemory:
@@ -164,11 +162,11 @@ class LearningEngine(Network):
 
     @property
     def table_address(self) -> TableAddress:
-        return TableAddress(self.program.segment_width, len(self.program.table))
+        return TableAddress(self.program.table.width, self.program.table.segments)
 
     @property
     def operand_select(self) -> OperandSelect:
-        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
+        return OperandSelect(self.program.table.width)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:
@@ -184,12 +182,12 @@ class LearningEngine(Network):
 
     @property
     def program_addr_width(self) -> int:
-        return (len(self.program.table) + len(self.program.words) - 1).bit_length()
+        return (len(self.program.words) - 1).bit_length()
 
     @property
     def contents(self) -> tuple[int, ...]:
         """All words of the program memory, filled with zeros up to a power of two."""
-        words = (*self.program.table, *self.program.words)
+        words = self.program.words
         return words + (0,) * ((1 << self.program_addr_width) - len(words))
 
     def parts(self) -> tuple[Block, ...]:
@@ -214,8 +212,8 @@ class LearningEngine(Network):
         memory = np.zeros((1 << places.addr_width, len(frames)), dtype=np.int64)
         memory[places.samples : places.samples + self.inputs] = frames.T << SAMPLE_SHIFT
         found = []
-        for one in self.program.run(FRAME, memory, 0, 0):
-            memory[places.mapped(one.address, 0, 0)] = one.word
-            if one.leaves:
-                found.append(one.word >> OUTPUT_SHIFT)
+        for slot, word, _ in self.program.run(FRAME, memory, 0, 0):
+            memory[places.mapped(slot.store, 0, 0)] = word
+            if slot.leaves:
+                found.append(word >> OUTPUT_SHIFT)
         return np.stack(found, axis=-1)

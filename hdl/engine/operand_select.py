@@ -45,18 +45,9 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
         else:
             chosen.next = one
 
-    if spec.registers:
+    @always(clk.posedge)
+    def keep():
+        late.next = chosen
 
-        @always(clk.posedge)
-        def keep():
-            late.next = chosen
-
-        wait = delay(clk, None, late, operand, clocks=spec.registers)
-
-    else:
-
-        @always(clk.posedge)
-        def keep():
-            operand.next = chosen
-
+    wait = delay(clk, None, late, operand, clocks=spec.latency - 1)
     return instances()

@@ -13,6 +13,7 @@ from golden.engine.graph import Graph, Kind
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneProgram, operand_text, weight_text
 from golden.engine.pipeline import Pipeline
+from golden.engine.schedule import one_by_one
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.shift_add import Constant, Input, ShiftAdd
@@ -102,9 +103,8 @@ def critical_path(shared: LaneGraph, pipeline: Pipeline) -> tuple[int, list[str]
     before: dict[int, int] = {}
     ends: list[int] = []
     for number in range(len(graph.neurons)):
-        plan = shared.plan(graph, number, ready, 0)
-        ends.append(plan.end)
-        ready[graph.inputs + number] = plan.end - 1 + pipeline.result_ready
+        ends.append(len(one_by_one(graph, number, ready, 0, shared.gathers[number])))
+        ready[graph.inputs + number] = ends[-1] - 1 + pipeline.result_ready
         latest = max((t.source for t in graph.neurons[number].terms), key=lambda s: ready[s])
         before[number] = latest - graph.inputs
     at = max(range(len(ends)), key=ends.__getitem__)
@@ -209,8 +209,8 @@ def lesson_listing(program: LessonProgram) -> list[str]:
         ),
     ]
     begun = dict(zip(program.starts, texts, strict=True))
-    lines = [f"words 0 to {len(program.table) - 1}: the table of tanh"]
-    for address in range(len(program.table), len(program.notes)):
+    lines = [f"words 0 to {program.table.segments - 1}: the table of tanh"]
+    for address in range(program.table.segments, len(program.notes)):
         if address in begun:
             lines.append(f"{begun[address]}:")
         lines.append(f"{address:>5}  {program.notes[address]}")

@@ -1,13 +1,14 @@
 """learning_engine, an engine that learns gains and offsets of its sensors, against its twin.
 
 Frames, known outputs and theta of right and wrong lengths come at any time, and every port is
-compared in every clock with the twin's timeline, which executes the words of the program. Outputs
+compared in every clock with the twin's timeline, which executes the steps of the program. Outputs
 show which steps were taken before the frame. How much of a drift the rule takes away is in
 docs/learning.md.
 """
 
 import cocotb
 
+from golden.learning.program import KEEP, PIPELINE
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.case_library import cases
@@ -141,7 +142,7 @@ async def any_traffic(dut):
     twin, rng = player.twin, player.rng
     traffic(player, 50)
     # A frame that comes at each clock around those in which a placement is kept.
-    for clocks in range(twin.program.lengths[1] + 2 * twin.program.pipeline.result):
+    for clocks in range(twin.program.lengths[KEEP] + 2 * PIPELINE.result):
         first, second = (
             random_elements(player.bench, twin.inputs),
             random_elements(player.bench, twin.inputs),

@@ -14,7 +14,7 @@ import numpy as np
 
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.engine.pipeline import LanePipeline, Pipeline
+from golden.engine.pipeline import Pipeline
 from golden.sensing.converter_parts import PARTS
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import Report, read_record, record_path
@@ -102,9 +102,9 @@ def segments() -> str:
 def pipeline() -> str:
     """Every clock of an engine's pipeline, and what happens in it."""
     rows = []
-    forms = [LanePipeline(), LanePipeline(memory_registers=1)]
-    for name, value in (vars(LanePipeline) | vars(Pipeline) | vars(LanePipeline)).items():
-        if isinstance(value, property) and name != "table":
+    forms = [Pipeline(), Pipeline(memory_registers=1)]
+    for name, value in vars(Pipeline).items():
+        if isinstance(value, property):
             clocks = [getattr(form, name) for form in forms]
             rows.append([f"`{name}`", *clocks, " ".join((value.__doc__ or "").split())])
     return markdown("name | clocks | with registers | what is there", rows)
