@@ -1,32 +1,35 @@
-"""Tests the engine that learns: its program is the rule, and frames never see half of an update."""
+"""Tests the engine that learns: the hardware is the rule, and the rule that of the networks."""
 
 from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from myhdl import Signal, Simulation, delay, instance
 from pages import cells, section
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.graph import LOOKED_UP, Kind, Term
 from golden.engine.integer_network import evaluate
 from golden.input_error import InputError
 from golden.learning.corrected import THETA, Corrected
-from golden.learning.gradient import Lesson, bounded, equation, lms_step, start
+from golden.learning.gradient import Lesson, bounded, start
 from golden.learning.program import assembled
 from golden.learning.segments import lms
-from golden.learning.timeline import OUTPUTS, Timeline
+from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
+from hdl.common.lookup import hardware
+from tactus.export.hierarchy import port_signals
 from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
-from tactus.scene.building import taught_of
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE
 
 SCENE = replace(load_scene("digit"), learning="lms")
 VECTORS = SCENE.vectors()
+SIGNAL_ENDS = SIGNAL.low, SIGNAL.high
 TARGETS = SIGNAL.quantise(VECTORS.targets)[0]
 
 
@@ -50,10 +53,12 @@ def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:
 
 
 class Desk:
-    """Plays rows of inputs through a timeline."""
+    """Plays rows of inputs through a timeline, and keeps rows and outputs."""
 
     def __init__(self, twin: LearningEngine) -> None:
-        self.twin, self.timeline, self.clock = twin, Timeline(twin.program), 0
+        self.twin, self.timeline = twin, Timeline(twin.program)
+        self.rows: list[tuple[int, ...]] = []
+        self.seen: list[tuple[int, ...]] = []
 
     def play(
         self,
@@ -62,120 +67,100 @@ class Desk:
         learn: int = 0,
         clocks: int = 0,
         theta: int = 0,
-    ) -> list[tuple[int, ...]]:
-        """The outputs of every clock."""
-        nothing, found = (0, 0, 0), []
+    ) -> None:
+        """Send words, for so many clocks at least."""
+        nothing = (0, 0, 0)
         for n in range(max(len(samples), len(targets), clocks)):
-            row = (
-                *(samples[n] if n < len(samples) else nothing),
-                *(targets[n] if n < len(targets) else nothing),
-                theta,
-                learn,
-                0,
-            )
-            found.append(self.timeline.clock(self.clock, *row))
-            self.clock += 1
-        return found
+            sample = samples[n] if n < len(samples) else nothing
+            target = targets[n] if n < len(targets) else nothing
+            self.clock(*sample, *target, theta, learn, 0)
+
+    def clock(self, *row: int) -> None:
+        self.seen.append(self.timeline.clock(len(self.rows), *row))
+        self.rows.append(row)
 
     def show(self, samples: Codes, known: Codes) -> None:
         """A placement: a frame, and its known outputs."""
         self.play(sent(samples[np.newaxis]), clocks=self.twin.interval)
         self.play([], sent(known[np.newaxis]), clocks=60)
 
-    def show_all(self, lesson: Lesson) -> None:
-        for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
-            self.show(samples, known)
-
     def learn(self, count: int) -> None:
-        """Until so many equations were computed."""
-        met, before = self.timeline.met, self._equations
-        while self._equations < before + count:
+        """Until so many steps were taken."""
+        while self.timeline.pupil.steps < count:
             self.play([], learn=1, clocks=1)
-        assert not met["equations stopped"]
-
-    @property
-    def _equations(self) -> int:
-        return self.timeline.met["steps taken"] + self.timeline.met["steps refused"]
 
 
-def drifted(count: int, seed: int = 1) -> Lesson:
-    """Placements of the recording that drifted sensors read."""
-    rng = np.random.default_rng(seed)
-    rows = rng.permutation(len(TARGETS))[:count]
-    x = VECTORS.inputs[rows] * (1 + 0.03 * rng.standard_normal(4)) + 0.02 * rng.standard_normal(4)
-    return Lesson(SIGNAL.quantise(x)[0][np.newaxis], TARGETS[rows][np.newaxis])
+def in_myhdl(twin: LearningEngine, rows: list[tuple[int, ...]]) -> list[list[int]]:
+    """The outputs of MyHDL itself for rows of inputs, one for each clock."""
+    ports, seen = port_signals(twin), []
+
+    def signal(name: str) -> Signal:
+        stream, _, field = name.partition("_")
+        parts = ports.get({"in": "in_"}.get(stream, stream))
+        return ports[name] if name in ports else getattr(parts, field)
+
+    @instance
+    def drive():
+        for row in rows:
+            for name, value in zip(INPUTS, row, strict=True):
+                signal(name).next = value
+            yield delay(1)
+            seen.append([int(signal(name)) for name in OUTPUTS])
+            ports["clk"].next = True
+            yield delay(1)
+            ports["clk"].next = False
+
+    Simulation(drive, hardware(twin)(**ports, spec=twin)).run(quiet=1)
+    return seen
 
 
-@pytest.mark.parametrize("impossible", [False, True])
-def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible: bool) -> None:
-    """Theta after each placement, bit for bit, also where steps are refused."""
-    scene, lesson, passes = SCENE, drifted(3), 3
-    if impossible:
-        scene, passes = small, 40
-        samples = small.vectors().codes[:2]
-        known = np.where(small.twin().process(samples) > 0, SIGNAL.low, SIGNAL.high)
-        lesson = Lesson(samples[np.newaxis], known[np.newaxis])
-    taught, rate = taught_of(scene)
-    found = scene.twin()
-    desk = Desk(found)
-    desk.show_all(lesson)
-    theta, refused = start(lesson, taught), 0
-    # A new placement comes first, and the oldest one after it.
-    order = [len(lesson) - 1, *list(range(len(lesson))) * passes]
-    for placement in order:
-        desk.learn(found.outputs)
-        for output in range(found.outputs):
-            said = equation(taught, lesson, theta, placement, output)
-            theta, (taken,) = lms_step(theta, said, *rate[output])
-            refused += not taken
-        assert desk.timeline.theta == theta[0].tolist()
-    assert desk.timeline.met["steps refused"] == refused
-    assert (refused > 0) is impossible
+@pytest.mark.parametrize("shipped", [False, True])
+def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
+    """Learned, told, put in, and brought back by a reset: every port in every clock."""
+    scene = SCENE if shipped else small
+    twin, codes = scene.twin(), scene.vectors().codes
+    desk, rng = Desk(twin), np.random.default_rng(5)
+    for frame in codes[:2]:
+        known = np.clip(twin.process(frame) + rng.integers(-3000, 3001, twin.outputs), *SIGNAL_ENDS)
+        desk.show(frame, known)
+    desk.learn(3 * twin.outputs)
+    frame = sent(codes[:1])
+    desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
+    assert np.abs(desk.timeline.pupil.codes).min() > 0
+    theta = rng.integers(*SIGNAL_ENDS, 2 * twin.inputs)
+    desk.play([], sent(theta[np.newaxis]), clocks=60, theta=1)
+    assert desk.timeline.pupil.codes.tolist() == theta.tolist()
+    desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
+    desk.clock(0, 0, 0, 0, 0, 0, 0, 0, 1)
+    desk.play(frame, learn=1, clocks=twin.interval + 2 * twin.inputs + 3)
+    assert not desk.timeline.pupil.theta.any()
+    # An output leaves where its stream is valid.
+    unseen = np.zeros((len(desk.seen), len(OUTPUTS)), dtype=bool)
+    for stream in ("out", "theta"):
+        valid = np.array(desk.seen)[:, OUTPUTS.index(f"{stream}_valid")]
+        assert valid.any()
+        unseen[:, OUTPUTS.index(f"{stream}_data")] = valid == 0
+    found = np.array(in_myhdl(twin, desk.rows))
+    np.testing.assert_array_equal(np.where(unseen, 0, found), np.where(unseen, 0, desk.seen))
 
 
-def read_behind(desk: Desk, frame: Codes) -> list[int]:
-    """The codes of theta that leave behind a frame."""
-    seen = desk.play(sent(frame[np.newaxis]), clocks=desk.twin.interval + 2 * desk.twin.inputs + 3)
-    return [row[OUTPUTS.index("theta_data")] for row in seen if row[OUTPUTS.index("theta_valid")]]
-
-
-def test_what_was_learned_is_read_and_put_in_again(twin: LearningEngine) -> None:
-    """Outputs of a second board are those of networks with the theta that the first one told."""
-    taught, _ = taught_of(SCENE)
-    lesson, first, second = drifted(4), Desk(twin), Desk(twin)
-    first.show_all(lesson)
-    first.learn(20 * twin.outputs)
-    frame = VECTORS.codes[0]
-    codes = read_behind(first, frame)
-    assert codes == [word >> OUTPUT_SHIFT for word in first.timeline.theta]
-    assert len(codes) == 8
-    assert read_behind(second, frame) == [0] * 8
-    second.play([], sent(np.array([codes])), clocks=60, theta=1)
-    assert read_behind(second, frame) == codes
-    seen = second.play(sent(VECTORS.codes[:9], before=twin.interval), clocks=12 * twin.interval)
-    words = np.array(codes)[np.newaxis] << OUTPUT_SHIFT
-    outputs = [row[1] for row in seen if row[0]]
-    np.testing.assert_array_equal(
-        np.array(outputs).reshape(9, -1),
-        np.vstack([taught.process(words, one[np.newaxis]) for one in VECTORS.codes[:9]]),
-    )
-    assert second.timeline.met["theta put in"] == 1
-    assert not second.timeline.met["placements"]
-
-
-def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
-    lesson, desk = drifted(1), Desk(twin)
-    desk.show_all(lesson)
-    desk.learn(3)
-    assert any(desk.timeline.theta)
-    desk.timeline.clock(desk.clock, 0, 0, 0, 0, 0, 0, 0, 0, 1)
-    desk.clock += 1
-    frames = VECTORS.codes[:3]
-    seen = desk.play(sent(frames, before=twin.interval), learn=1)
-    seen += desk.play([], learn=1, clocks=twin.interval)
-    outputs = [row[1] for row in seen if row[0]]
-    np.testing.assert_array_equal(outputs, twin.process(frames).ravel())
-    assert not any(desk.timeline.theta)
+@pytest.mark.parametrize("words", [1, 3, 4, 5])
+@pytest.mark.parametrize("theta", [0, 1])
+@pytest.mark.parametrize("framed", [True, False])
+def test_what_is_told_of_the_wrong_length_or_without_a_frame_is_not_kept(
+    small: Scene, words: int, theta: int, framed: bool
+) -> None:
+    twin = small.twin()
+    desk = Desk(twin)
+    if framed:
+        desk.play(sent(np.array([[1000, -2000]])), clocks=twin.interval)
+    told = np.full((1, words), 500)
+    right = framed and words == (2 * twin.inputs if theta else twin.outputs)
+    desk.play([], sent(told), clocks=60, theta=theta)
+    assert sum(row[OUTPUTS.index("target_error")] for row in desk.seen) == (not right)
+    desk.play([], learn=1, clocks=5 * twin.longest_equation)
+    pupil = desk.timeline.pupil
+    assert (pupil.placements, pupil.changes) == (0, int(right))
 
 
 def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
@@ -198,34 +183,10 @@ def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
 
 def test_equations_that_begin_differently_are_refused(twin: LearningEngine) -> None:
     """The program jumps to the rest of an equation behind steps that all of them have."""
-    program = twin.program
-    frame, keep, first, *others = program.parts
+    table, (frame, keep, first, *others) = twin.program.table, twin.program.parts
     with pytest.raises(InputError, match=r"learning: got equations .* whose first 1 steps are al"):
-        assembled(program.places, program.table, [frame, keep, [first[0], *first[2:]], *others])
-    assert assembled(program.places, program.table, program.parts) == program
-
-
-@pytest.mark.parametrize("count", [4, 7, 9])
-def test_theta_of_the_wrong_length_is_not_put_in(twin: LearningEngine, count: int) -> None:
-    desk = Desk(twin)
-    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
-    seen = desk.play([], sent(np.full((1, count), 500)), clocks=60, theta=1)
-    assert sum(row[OUTPUTS.index("target_error")] for row in seen) == 1
-    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
-
-
-def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small: Scene) -> None:
-    twin = small.twin()
-    frame = np.array([[1000, -2000]])
-    for known, framed in (([5], True), ([5, 6, 7], True), ([5, 6], False)):
-        desk = Desk(twin)
-        if framed:
-            desk.play(sent(frame), clocks=twin.interval)
-        seen = desk.play([], sent(np.array([known])), clocks=60)
-        assert sum(row[5] for row in seen) == 1
-        desk.play([], learn=1, clocks=5 * twin.longest_equation)
-        assert not desk.timeline.met["placements"]
-        assert not desk.timeline.met["steps taken"]
+        assembled(table, [frame, keep, [first[0], *first[2:]], *others])
+    assert assembled(table, twin.program.parts)[0] == twin.program.words
 
 
 @pytest.mark.pages

@@ -12,14 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 from shared import browse
-from test_learning_engine import Desk, sent
 from test_monitor import Still, listen
 
 from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
-from golden.learning.gradient import Pupil
 from golden.link.packets import lesson_packet
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -32,7 +30,6 @@ from tactus.recalibration.folder import corrected
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.scene import Scene, load_scene
-from tactus.scene.building import taught_of
 from tactus.scene.disturbance import Disturbance
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE
@@ -52,37 +49,13 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 
 
 def lessons_of(scene: Scene) -> TwinLessons:
-    return TwinLessons(Pupil(*taught_of(scene), scene.twin().core.placements))
+    return TwinLessons(scene.twin().core.program.pupil())
 
 
 def texts(scene: Scene, row: int) -> dict[str, str]:
     """The known outputs of a row of the recording, as the page sends them."""
     values = scene.in_units(scene.vectors().targets[row])
     return {name: f"{value:g}" for name, value in zip(scene.outputs, values, strict=True)}
-
-
-def test_the_pupil_holds_what_the_hardware_holds(small: Scene) -> None:
-    """Theta after every part of the way, also with more placements than there is room for."""
-    twin = small.twin()
-    pupil, desk = lessons_of(small).pupil, Desk(twin)
-    codes, rng = small.vectors().codes, np.random.default_rng(5)
-    known = np.where(small.twin().process(codes) > 0, SIGNAL.low, SIGNAL.high)
-    # Until steps are refused, in the middle of a placement, behind a whole one, and with all places
-    # taken.
-    counts = (0, 200, 1, 3, 2, 0, 7, *[1] * (twin.placements - 3), 40)
-    for number, count in enumerate(counts):
-        for row in [number] if number < 2 else rng.integers(len(codes), size=1 + (count == 3)):
-            desk.show(codes[row], known[row])
-            pupil.keep(codes[row], known[row])
-        desk.learn(count)
-        for _ in range(count):
-            pupil.step()
-        assert pupil.theta.tolist() == desk.timeline.theta
-    assert desk.timeline.met["placements"] > twin.placements == pupil.placements
-    assert pupil.steps == desk.timeline.met["steps taken"] > 0
-    assert pupil.refused == desk.timeline.met["steps refused"] > 0
-    seen = [row[1] for row in desk.play(sent(codes[:1]), clocks=twin.interval) if row[0]]
-    np.testing.assert_array_equal(pupil.process(codes[:1])[0], seen)
 
 
 GOOD = lesson_packet(4, True, [-8192, 8191])

@@ -66,6 +66,41 @@ class FrameCheck(Block):
         return replace(scan, addr=np.where(scan.accept & scan.error, aside, scan.addr))
 
 
+@dataclass
+class Stream:
+    """A stream whose frames have a number of elements: a frame of another length is broken.
+
+    count: Elements of the frame so far.
+    began, dropping: Whether a frame has begun, and whether the rest of it is dropped.
+    raised: Whether the element of the clock before broke its frame.
+    """
+
+    count: int = 0
+    began: bool = False
+    dropping: bool = False
+    raised: bool = False
+
+    def take(self, valid: bool, last: bool, refused: bool, length: int) -> tuple[int, bool]:
+        """The number of the element that is accepted, or -1; and whether its frame is good.
+
+        refused: Whether nothing is accepted, and a frame that has begun is broken.
+        length: How many elements a frame has.
+        """
+        accept = valid and not refused and not self.dropping
+        breaks = refused and (valid or self.began) and not self.dropping
+        complete = self.count == length - 1
+        wrong = accept and complete != last
+        number, done = self.count if accept else -1, accept and complete and last
+        self.raised = breaks or wrong
+        if valid:
+            self.dropping = not last and (self.dropping or self.raised)
+            self.began = not last
+        elif breaks:
+            self.dropping = True
+        self.count = 0 if wrong or done or refused else self.count + accept
+        return number, done
+
+
 @dataclass(frozen=True)
 class Guarded:
     """The outputs in each clock, and which samples complete a good frame.
@@ -137,27 +172,18 @@ class FrameGuard(Block):
         count, span = len(columns[0]), 1 << self.addr_width
         start, run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(6))
         write_addr = np.zeros(count, dtype=np.int64)
-        addr, running, begins = span - 1, False, -1
-        inside = dropping = wrote = raised = False
+        addr, running, begins, wrote, stream = span - 1, False, -1, False, Stream()
         for t, (valid, last, halts, before, stores, ends, clears) in enumerate(
             zip(*columns, strict=True)
         ):
             running = running or t == begins
             run[t], busy[t] = running, running or begins > t
-            write[t], write_addr[t], error[t] = wrote, addr, raised
-            accept = valid and not (busy[t] or halts or dropping)
-            refused = not dropping and ((valid and busy[t]) or (halts and (valid or inside)))
-            complete = addr == before
-            broken = accept and complete != last
-            done[t] = accept and complete and last and not clears
-            wrote = accept or stores
-            raised = refused or broken
-            if valid:
-                dropping = not last and (dropping or raised)
-                inside = not last
-            elif refused:
-                dropping = True
-            if ends or broken or halts:
+            write[t], write_addr[t], error[t] = wrote, addr, stream.raised
+            refused = bool(halts or (valid and busy[t]))
+            number, good = stream.take(valid, last, refused, (before + 1) % span + 1)
+            done[t] = good and not clears
+            wrote = number >= 0 or stores
+            if ends or halts or (number >= 0 and stream.raised):
                 addr = span - 1
             elif wrote:
                 addr = (addr + 1) % span
@@ -167,6 +193,5 @@ class FrameGuard(Block):
                 begins = t + self.pipeline.run
             start[t] = begins == t + 1
             if clears:
-                addr, running, begins = span - 1, False, -1
-                inside = dropping = wrote = raised = False
+                addr, running, begins, wrote, stream = span - 1, False, -1, False, Stream()
         return Guarded(start, run, busy, write, write_addr, error, done)

@@ -175,6 +175,7 @@ class Pupil:
     steps, refused: How many steps were taken, and how many were not, because they would have left
         the range.
     changes: How often theta was changed.
+    output: The output whose equation is next.
     """
 
     def __init__(
@@ -186,11 +187,16 @@ class Pupil:
         self._kept: deque[Lesson] = deque(maxlen=placements)
         self.theta: Codes = np.zeros(2 * taught.sensors, dtype=np.int64)
         # The placement and the output of the next equation.
-        self._shown = self._output = 0
+        self._shown = self.output = 0
 
     @property
     def placements(self) -> int:
         return len(self._kept)
+
+    @property
+    def begins(self) -> bool:
+        """Whether the next equation is the first of the oldest placement."""
+        return self._shown == self.output == 0
 
     @property
     def codes(self) -> Codes:
@@ -209,7 +215,7 @@ class Pupil:
         known, shape (outputs,): Codes of the known outputs.
         """
         self._kept.append(Lesson(samples[np.newaxis, np.newaxis], known[np.newaxis, np.newaxis]))
-        self._shown, self._output = len(self._kept) - 1, 0
+        self._shown, self.output = len(self._kept) - 1, 0
 
     def step(self) -> bool:
         """Compute the next equation; returns whether its step was taken.
@@ -221,13 +227,13 @@ class Pupil:
             return False
         lesson = self._kept[self._shown]
         before = self.theta[np.newaxis]
-        found = equation(self.taught, lesson, before, 0, self._output)
-        (self.theta,), (taken,) = lms_step(before, found, *self._constants[self._output])
+        found = equation(self.taught, lesson, before, 0, self.output)
+        (self.theta,), (taken,) = lms_step(before, found, *self._constants[self.output])
         self.steps += int(taken)
         self.changes += int(taken)
         self.refused += int(not taken)
-        self._output = (self._output + 1) % self.taught.outputs
-        if not self._output:
+        self.output = (self.output + 1) % self.taught.outputs
+        if not self.output:
             self._shown = (self._shown + 1) % len(self._kept)
         return bool(taken)
 

@@ -110,15 +110,3 @@ class Places:
     def number_width(self) -> int:
         """Bits of the number of a placement."""
         return self.addr_width - 1 - self.placement_width
-
-    def of_theta(self, address: int) -> bool:
-        """Whether an address of the program is one of theta."""
-        return address >> (self.addr_width - 2) == 1
-
-    def mapped(self, address: int, bank: int, number: int) -> int:
-        """The address of a word in the memory, for an address of the program."""
-        if address >= self.placement:
-            return address | number << self.placement_width
-        if self.of_theta(address):
-            return address & ~(1 << self.bank_bit) | bank << self.bank_bit
-        return address

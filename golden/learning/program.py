@@ -1,10 +1,8 @@
 """The program of an engine that learns: frames, placements that are kept, and equations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-
-import numpy as np
 
 from golden.engine.formats import (
     DROPPED,
@@ -21,7 +19,6 @@ from golden.engine.formats import (
     WEIGHT,
     WIDTH,
     put,
-    word_of,
 )
 from golden.engine.function_table import joined
 from golden.engine.graph import Graph, Kind, start_of
@@ -30,9 +27,9 @@ from golden.engine.schedule import Step, one_by_one, schedule
 from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.learning.corrected import SHORT, Corrected
+from golden.learning.gradient import Pupil
 from golden.learning.places import Places
 from golden.learning.segments import Sums, corrected, lms
-from golden.numbers.fixed import Codes
 
 # In the place of the bit for the intercept, which follows from the kind: the coefficient is a
 # second word, whose address is in the field of the weight.
@@ -105,6 +102,7 @@ class Slot:
 class LessonProgram:
     """The words of the program memory, and the steps of which they were made.
 
+    taught, constants: The networks, and the step and the leak of each output.
     parts: The steps of the frame, of what keeps a placement, and of the equation of each output.
     words: Words of the table of tanh, and behind them those of the steps.
     notes: What each word stands for.
@@ -113,6 +111,8 @@ class LessonProgram:
     begun_alike: How many words all equations begin with.
     """
 
+    taught: Corrected
+    constants: tuple[tuple[int, ...], ...]
     places: Places
     table: LineTable
     parts: tuple[tuple[Slot, ...], ...]
@@ -120,6 +120,15 @@ class LessonProgram:
     notes: tuple[str, ...]
     starts: tuple[int, ...]
     begun_alike: int
+
+    @property
+    def placements(self) -> int:
+        """How many placements are kept; the next one takes the place of the oldest."""
+        return (1 << self.places.number_width) - 1
+
+    def pupil(self) -> Pupil:
+        """What it does with placements and theta, from a reset on."""
+        return Pupil(self.taught, self.constants, self.placements)
 
     @property
     def lengths(self) -> tuple[int, ...]:
@@ -146,41 +155,6 @@ class LessonProgram:
             found = max(found, largest.bit_length() + 1)
         return found
 
-    def run(
-        self, part: int, memory: Codes, bank: int, number: int
-    ) -> Iterator[tuple[Slot, Codes, bool]]:
-        """Each step of a part whose sum is stored, its word, and whether no word was saturated.
-
-        part: Its number in ``parts``.
-        memory, shape (words, ...): The operand memory, of one engine or of several side by side.
-            The results are written by whoever calls this.
-        bank, number: The bank of theta that is read, and the number of the placement.
-        """
-        intercepts, slopes = np.array(self.table.intercepts), np.array(self.table.slopes)
-        span = 1 << self.table.width
-        acc = np.zeros(memory.shape[1:], dtype=np.int64)
-
-        def read(address: int) -> Codes:
-            return np.asarray(memory[self.places.mapped(address, bank, number)])
-
-        for slot in self.parts[part]:
-            word = read(slot.source)
-            if slot.kind is Kind.ONE:
-                product = np.full_like(acc, slot.field << DROPPED)
-            elif slot.kind is Kind.WORD:
-                product = word * (read(slot.field) >> SHORT if slot.product else slot.field)
-            else:
-                sign = word >> (WIDTH - 1)
-                segment = np.minimum((word ^ sign) >> self.table.width, len(slopes) - 1)
-                if slot.kind is Kind.INTERCEPT:
-                    product = intercepts[segment] * ((sign | 1) << DROPPED)
-                else:
-                    product = slopes[segment] * ((word & (span - 1)) - span // 2)
-            acc = product + (start_of(slot.of_output) if slot.first else acc)
-            if slot.store >= 0:
-                found = word_of(acc, 0)
-                yield slot, found, bool((found == acc >> DROPPED).all())
-
 
 def lesson_program(
     taught: Corrected, constants: Sequence[Sequence[int]], graph: Graph, least_addr_width: int
@@ -201,7 +175,11 @@ def lesson_program(
     )
     parts = [_frame(taught, graph, places), _keep(places)]
     parts += [_equation(sums, places) for sums in program]
-    return assembled(places, joined(graph.functions, taught.networks[0].segment_width), parts)
+    table = joined(graph.functions, taught.networks[0].segment_width)
+    words, notes, starts, alike = assembled(table, parts)
+    rates = tuple(map(tuple, constants))
+    whole = tuple(map(tuple, parts))
+    return LessonProgram(taught, rates, places, table, whole, words, notes, starts, alike)
 
 
 def _frame(taught: Corrected, graph: Graph, places: Places) -> list[Slot]:
@@ -374,8 +352,10 @@ def _begun_alike(equations: Sequence[Sequence[Slot]]) -> int:
     return found[-1]
 
 
-def assembled(places: Places, table: LineTable, parts: Sequence[Sequence[Slot]]) -> LessonProgram:
-    """The program of some parts."""
+def assembled(
+    table: LineTable, parts: Sequence[Sequence[Slot]]
+) -> tuple[tuple[int, ...], tuple[str, ...], tuple[int, ...], int]:
+    """The words of some parts, and what else ``LessonProgram`` says about them, in its order."""
     alike = _begun_alike(parts[EQUATIONS:])
     shared = parts[EQUATIONS][:alike]
     pieces = [*parts[:EQUATIONS], shared, *(part[alike:] for part in parts[EQUATIONS:])]
@@ -393,8 +373,7 @@ def assembled(places: Places, table: LineTable, parts: Sequence[Sequence[Slot]])
     for number, (part, begin) in enumerate(zip(parts, begins, strict=True)):
         rest = range(begin, begin + len(part) + PIPELINE.mark)
         _spread(words, part, [*(first if number >= EQUATIONS else ()), *rest])
-    whole = tuple(tuple(part) for part in parts)
-    return LessonProgram(places, table, whole, tuple(words), tuple(notes), tuple(starts), alike)
+    return tuple(words), tuple(notes), tuple(starts), alike
 
 
 def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None:

@@ -1,4 +1,4 @@
-"""LMS as steps of an engine, bit for bit that of ``golden.learning.gradient``, and their order.
+"""LMS as sums of an engine, bit for bit that of ``golden.learning.gradient``.
 
 A *sum* is what it is in an engine: products, one in each step, then half a unit, rounding and
 saturation, and a word that is stored. An engine that does not learn lacks:

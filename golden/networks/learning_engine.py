@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-
 from golden.common.block import Block
 from golden.common.port import Port, input_port, output_port
 from golden.engine.datapath import (
@@ -15,11 +13,10 @@ from golden.engine.datapath import (
     RoundSaturate,
     TableAddress,
 )
-from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
-from golden.learning.program import EQUATIONS, FRAME, PIPELINE, LessonProgram, lesson_program
+from golden.learning.program import EQUATIONS, PIPELINE, LessonProgram, lesson_program
 from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, Engine
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
@@ -102,8 +99,7 @@ class LearningEngine(Network):
 
     @property
     def placements(self) -> int:
-        """How many placements are kept; the next one takes the place of the oldest."""
-        return (1 << self.program.places.number_width) - 1
+        return self.program.placements
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -208,12 +204,4 @@ class LearningEngine(Network):
 
     def compute(self, frames: Codes) -> Codes:
         """The outputs after a reset, before anything is learned."""
-        places = self.program.places
-        memory = np.zeros((1 << places.addr_width, len(frames)), dtype=np.int64)
-        memory[places.samples : places.samples + self.inputs] = frames.T << SAMPLE_SHIFT
-        found = []
-        for slot, word, _ in self.program.run(FRAME, memory, 0, 0):
-            memory[places.mapped(slot.store, 0, 0)] = word
-            if slot.leaves:
-                found.append(word >> OUTPUT_SHIFT)
-        return np.stack(found, axis=-1)
+        return self.engine.compute(frames)

@@ -20,7 +20,6 @@ from tactus.monitor.twin_board import TwinBoard
 from tactus.recalibration.fit import fit
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
-from tactus.scene.building import taught_of
 from tactus.scene.disturbance import zero_signals
 from tactus.scene.metrics import error_scale
 from tactus.scene.scale import readings, signals
@@ -58,7 +57,7 @@ class Lessons:
         core = board.instrument.core
         assert isinstance(core, LearningEngine), "a board that learns has one"
         self.board, self.places = board, core.placements
-        self._taught, _ = taught_of(board.hardware)
+        self._taught = core.program.taught
         self.count = 0
         self.tour: Iterator[dict[str, str]] | None = None
         # Packets, each with the known outputs in it, in their units; None without any.

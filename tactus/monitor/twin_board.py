@@ -23,7 +23,6 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
 from tactus.scene import Scene
-from tactus.scene.building import taught_of
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.labels import one_hot
 from tactus.scene.scale import signals
@@ -112,7 +111,7 @@ class TwinBoard:
         self._core = core = board.instrument.core
         self.lessons = None
         if isinstance(core, LearningEngine):
-            self.lessons = TwinLessons(Pupil(*taught_of(scene), core.placements))
+            self.lessons = TwinLessons(core.program.pupil())
         # An engine that can be loaded computes nothing before an image comes.
         self._runs = not (isinstance(core, Engine) and core.loaded)
         self._error = False

@@ -44,7 +44,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network = arrange(scene.arrangement, trained, design, settings)
         if scene.learning:
             assert isinstance(network, Engine), "no other design is let through"
-            network = LearningEngine.of(network, *taught_of(scene))
+            taught = Corrected.of(scene.mlps(), *expected_drift(scene))
+            vectors = scene.vectors()
+            rates = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
+            network = LearningEngine.of(network, taught, rates.tolist())
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, held in zip(scene.members, trained, strict=True):
@@ -90,14 +93,6 @@ def build_twin(scene: Scene, lean: bool) -> Network:
                 )
             return ConverterInstrument(reader, readout=readout)
         return Instrument(scene.front_end.scan_sequencer(network), readout=readout)
-
-
-def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
-    """The networks of a scene behind corrected sensors, and the constants of each output."""
-    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
-    vectors = scene.vectors()
-    steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
-    return taught, steps.tolist()
 
 
 def task_of(scene: Scene) -> SizingTask:
