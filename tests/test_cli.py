@@ -128,7 +128,6 @@ WRITING = (
     "tactus.cli.predict mine.toml mine.csv out.csv",
     "tactus.cli.train mine.toml --force --workers=1",
     "tactus.cli.network mine.toml out.onnx",
-    "tactus.report.designs mine.toml --picture=out.svg",
 )
 # Where a command names each of several places before it begins.
 FILES = {"tactus.cli.train mine.toml --force --workers=1": 2}

@@ -2,9 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -66,28 +64,6 @@ def fits(scene: Scene, x: Real, y: Real, new: Real) -> Iterator[tuple[str, int, 
     codes = scene.twin().core.process(samples)
     yield "engine, bit by bit", len(x) // 2, outputs_of(scene, codes)
     yield "adder graphs, bit by bit", len(x) // 2, outputs_of(scene, in_a_row(scene, samples))
-    try:
-        trees, mlp = map(import_module, ("sklearn.ensemble", "sklearn.neural_network"))
-    except ImportError:
-        print("left out: trees and MLP, which need scikit-learn 1.9.1")
-        return
-    grown = [
-        trees.HistGradientBoostingRegressor(max_iter=300, random_state=1).fit(x, column)
-        for column in y.T
-    ]
-    yield "boosted trees", len(x), np.column_stack([one.predict(new) for one in grown])
-    mean, spread = y.mean(axis=0), y.std(axis=0)
-    centre, width = x.mean(axis=0), x.std(axis=0)
-    net: Any = mlp.MLPRegressor(
-        hidden_layer_sizes=(1000, 100, 50),
-        batch_size=256,
-        max_iter=60,
-        random_state=1,
-        early_stopping=True,
-        n_iter_no_change=8,
-    )
-    net.fit((x - centre) / width, (y - mean) / spread)
-    yield "MLP 15:1000:100:50:6", len(x), net.predict((new - centre) / width) * spread + mean
 
 
 def rows() -> Iterator[dict[str, str | int | float]]:

@@ -224,9 +224,8 @@ COMMANDS = (
     Command(
         "designs",
         "Prints within seconds what each design that can compute the networks of a scene costs, "
-        "and marks those that no other one beats. FAMILY= names the family of the device, and "
-        "PICTURE= draws LUTs against clocks.",
-        (SCENE, option("FAMILY", "xc2v|ecp5"), option("PICTURE", "designs.svg", Path), FORCE),
+        "and marks those that no other one beats. FAMILY= names the family of the device.",
+        (SCENE, option("FAMILY", "xc2v|ecp5")),
         "tactus.report.designs",
     ),
     Command(

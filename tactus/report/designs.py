@@ -3,14 +3,11 @@
 import sys
 import textwrap
 from collections.abc import Sequence
-from contextlib import suppress
 from math import ceil
-from pathlib import Path
 
 from golden.input_error import InputError, suggest
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
-from tactus.core.files import check_output, replace_file
 from tactus.report.draw.named import Named, drawn
 from tactus.report.draw.run_time import ACROSS, PRINTED, printed_designs
 from tactus.report.measure.table import Cell, Table
@@ -89,9 +86,6 @@ def refused_lines(refused: Sequence[Refused]) -> list[str]:
     ]
 
 
-TITLE = "LUTs against clocks"
-
-
 def points(scene: Scene, rows: Sequence[Sized], family: str) -> list[Named]:
     """The designs of a scene, and those that the thesis prints for the digit, fewest LUTs first."""
     found = [Named(row.candidate.name, row.clocks, row.cells(family).luts) for row in rows]
@@ -100,17 +94,10 @@ def points(scene: Scene, rows: Sequence[Sized], family: str) -> list[Named]:
     return sorted(found, key=lambda one: (one.y, one.x, one.name))
 
 
-def is_drawn(path: Path) -> bool:
-    """Whether a file holds such a picture."""
-    with suppress(OSError):
-        return TITLE.encode() in path.read_bytes()
-    return False
-
-
 def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
     """Every design with its name; the front is drawn, and what it beats is grey."""
     found, said = points(scene, rows, family), sentence(scene, rows, family)
-    title = f"{scene.name}: {TITLE}"
+    title = f"{scene.name}: LUTs against clocks"
     return drawn(found, "designs", title, ACROSS, f"LUTs of {family}", said)
 
 
@@ -141,14 +128,7 @@ def main() -> None:
     arguments = arguments_of("designs", __doc__)
     family = family_of(arguments.family)
     scene = load_scene(arguments.scene)
-    path = arguments.picture
-    if path:
-        if path.suffix != ".svg":
-            raise InputError(f"PICTURE={path}: expected a name that ends in .svg")
-        check_output(path, scene.own_files, own=is_drawn, force=arguments.force, key="PICTURE")
-    stop_if_dry_run(
-        f"compare the designs of scene {scene.name}" + (f" and write {path}" if path else "")
-    )
+    stop_if_dry_run(f"compare the designs of scene {scene.name}")
     rows, refused = compared(scene)
     if family == "ecp5":
         reason = "no network with these options was placed and routed, so its cells are unknown"
@@ -159,10 +139,6 @@ def main() -> None:
         print()
         for line in refused_lines(refused):
             print(textwrap.fill(line, 100, subsequent_indent="  "))
-    if path:
-        with replace_file(path) as temporary:
-            temporary.write_text(picture_of(scene, rows, family), encoding="utf-8")
-        print(f"wrote {path}")
 
 
 if __name__ == "__main__":
