@@ -31,8 +31,8 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-# The commands whose module tactus/core/commands.py names, and which pass to it what they are given.
-CALLED := $(shell awk -F'"' '/^        "[a-z]+",$$/ {name = $$2} /^        "tactus\./ {print name}' tactus/core/commands.py)
+# The commands whose module tactus/core/commands.toml names, and which pass to it what they are given.
+CALLED := $(shell awk -F'[][]' '/^\[/ {name = $$2} /^module/ {print name}' tactus/core/commands.toml)
 
 .PHONY: $(CALLED) named help test study docs pages lint clean tools browser ready
 
@@ -45,7 +45,7 @@ named:
 .DEFAULT:
 	@echo "error: make $$GOALS: no such target; make lists them" >&2; exit 2
 
-# What is wanted, and of whom, is said once, in tactus/core/commands.py, which needs no environment for this.
+# What is wanted, and of whom, is said once, in tactus/core/commands.toml, which needs no environment for this.
 help:
 	@"$$PYTHON" -m tactus.cli.commands help
 

@@ -21,11 +21,8 @@ COMMANDS = (
 
 
 def main_of(module: str) -> Callable[[], int | None]:
-    """The ``main`` that ``python -m`` runs for a module or a package."""
-    found = importlib.import_module(module)
-    if hasattr(found, "__path__"):
-        found = importlib.import_module(f"{module}.__main__")
-    main: Callable[[], int | None] = found.main
+    """The ``main`` that ``tactus.cli.call`` runs for a module."""
+    main: Callable[[], int | None] = importlib.import_module(module).main
     return main
 
 

@@ -18,7 +18,7 @@ import pytest
 
 from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
-from tactus.export.__main__ import BOTH, export_scene
+from tactus.export.command import BOTH, export_scene
 from tactus.export.hierarchy import LANGUAGES
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
@@ -29,6 +29,8 @@ from tactus.verify.sign_off.record import first
 
 # If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
+# Before the name of a module with a command, and its words.
+CALL = (sys.executable, "-m", "tactus.cli.call")
 
 
 class Shared:

@@ -19,7 +19,7 @@ from shared import Shared, run
 
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
-from tactus.certify.__main__ import certify, room_in
+from tactus.certify.command import certify, room_in
 from tactus.certify.delivered import (
     EVERY_FRAME,
     OUTPUT,

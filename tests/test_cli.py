@@ -19,6 +19,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner, Result
 from conftest import on_engine, tiered
 from packaging.requirements import Requirement
+from shared import CALL
 from shared import run as shared_run
 
 from golden.input_error import InputError, naming
@@ -92,7 +93,7 @@ def test_a_fault_of_ours_keeps_its_traceback(fault: Callable[[], object], last: 
 
 def call(*words: str, **options) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", *words],
+        [*CALL, *words],
         # No bytecode is written, because the limit on file sizes would truncate it for later
         # readers.
         env=os.environ
@@ -124,7 +125,7 @@ def test_a_reader_that_goes_away() -> None:
 
 SIZE = 1 << 20
 WRITING = (
-    "tactus.export mine.toml vhdl",
+    "tactus.export.command mine.toml vhdl",
     "tactus.cli.predict mine.toml mine.csv out.csv",
     "tactus.cli.train mine.toml --force --workers=1",
     "tactus.cli.network mine.toml out.onnx",
@@ -177,7 +178,7 @@ def test_a_disk_without_room_is_one_line(disk: tuple[Path, Callable], words: str
     folder, limit = disk
     before = fingerprint([folder])
     result = subprocess.run(
-        [sys.executable, "-m", *words.split()],
+        [*CALL, *words.split()],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         preexec_fn=limit,

@@ -198,11 +198,11 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def words_of(item: Documented) -> tuple[str, list[str]]:
     """The module that a command calls, and its words."""
     if item.command is None:
-        _, option, module, *words = item.words
-        assert option == "-m", item.text
+        assert item.words[1] == "-m", item.text
+        module, *words = [word for word in item.words[2:] if word != "tactus.cli.call"]
         return module, words
     if item.command.module:
-        _, module, *words = item.command.words(item.variables)
+        _, _, module, *words = item.command.words(item.variables)
         return module, words
     given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]

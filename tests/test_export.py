@@ -4,7 +4,6 @@ import ast
 import json
 import re
 import shutil
-import sys
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -15,7 +14,7 @@ import yaml
 from conftest import tiered
 from myhdl import Signal
 from refused import Desk
-from shared import Shared, run
+from shared import CALL, Shared, run
 
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.schemes import SCHEMES
@@ -51,7 +50,7 @@ def files(folder: Path) -> list[Path]:
 
 @pytest.mark.parametrize("seed", tiered(["1"], ["2"]))
 def test_the_same_bytes_whatever_the_hash_seed(shared: Shared, tmp_path: Path, seed: str) -> None:
-    command = [sys.executable, "-m", "tactus.export", "digit-single", "both", "--build", tmp_path]
+    command = [*CALL, "tactus.export.command", "digit-single", "both", "--build", tmp_path]
     assert run(*command, PYTHONHASHSEED=seed).returncode == 0
     for language in ("vhdl", "verilog"):
         folder = tmp_path / "digit-single" / language

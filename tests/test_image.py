@@ -1,7 +1,6 @@
 """Tests the image of a scene: its bytes, what refuses it, and hardware that runs several."""
 
 import re
-import sys
 from binascii import crc_hqx
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import on_engine, tiered
 from refused import call
-from shared import movable, run
+from shared import CALL, movable, run
 from test_engine import random_codes
 
 from golden.engine.formats import RESULT, WIDTH, signed_code
@@ -290,7 +289,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
-    command = [sys.executable, "-m", "tactus.scene.image", "digit-single"]
+    command = [*CALL, "tactus.scene.image", "digit-single"]
     result = run(*command, "--hardware", small, "--build", tmp_path)
     assert result.returncode == 2
     assert "the image needs 40 operand words, there are 32" in result.stderr
@@ -307,7 +306,7 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind
         keys = LANE_KEYS[3 if kind == "lanes" else 1]
         scenes = [reloadable(name, tmp_path, keys) for name in ("digit", "swing-single")]
     for scene in scenes:
-        command = [sys.executable, "-m", "tactus.export", scene.path, "both", "--build", tmp_path]
+        command = [*CALL, "tactus.export.command", scene.path, "both", "--build", tmp_path]
         assert run(*command).returncode == 0
     for language in ("vhdl", "verilog"):
         first, second = (tmp_path / scene.name / language for scene in scenes)

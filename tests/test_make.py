@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 from conftest import ROOT, pytest_collection_modifyitems, tiered
-from shared import movable, run
+from shared import CALL, movable, run
 
 from tactus.cli.commands import WIDTH
 from tactus.core.commands import CLOSING, COMMANDS
@@ -48,7 +48,7 @@ FLAGS = {argument.name for c in COMMANDS for argument in c.arguments if argument
 # All targets that take a flag and do no more here than log their calls.
 TARGETS = [c.name for c in COMMANDS if any(a.flag for a in c.arguments)]
 # This precedes the arguments of each call in the log.
-CALL = "a call"
+BEGIN = "a call"
 
 
 def environment(folder: Path, venv: str = "venv", instead: str = "") -> Path:
@@ -68,7 +68,7 @@ def environment(folder: Path, venv: str = "venv", instead: str = "") -> Path:
         f"""#!/bin/sh
 if [ "$2" = tactus.cli.commands ]; then {commands}; fi
 {instead}
-printf '%s\\0' '{CALL}' "$@" >> '{log}'
+printf '%s\\0' '{BEGIN}' "$@" >> '{log}'
 echo found
 for last; do :; done
 if [ "$2" = sphinx ]; then mkdir "$last"; fi
@@ -83,7 +83,7 @@ def calls(log: Path) -> list[list[str]]:
     """The arguments of each logged call."""
     found: list[list[str]] = []
     for word in log.read_text().split("\0")[:-1]:
-        if word == CALL:
+        if word == BEGIN:
             found.append([])
         else:
             found[-1].append(word)
@@ -120,7 +120,7 @@ def test_an_argument_arrives_as_it_was_given(tmp_path: Path, first: int) -> None
     arrived = dict(zip(names, calls(log), strict=True))
     for command in CALLED:
         if command.arguments:
-            _, module, *others = arrived[command.name]
+            _, _, module, *others = arrived[command.name]
             assert module == command.module
             for argument in command.arguments:
                 arrives = (
@@ -144,7 +144,7 @@ def test_so_it_does_from_the_environment(tmp_path: Path, nasty: str) -> None:
     names = ("monitor", "mutate")
     result = make(tmp_path, *names, VENV=str(tmp_path / "venv"), SCENE=nasty, PORT=other)
     assert result.returncode == 0, result.stderr
-    assert [words[2:] for words in calls(log)] == [[nasty, other], [f"--scene={nasty}"]]
+    assert [words[3:] for words in calls(log)] == [[nasty, other], [f"--scene={nasty}"]]
 
 
 def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
@@ -153,7 +153,7 @@ def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
     names = ("listing", "sim", "vhdl", "monitor", "mutate", "demo")
     result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *names, "PORT=twin")
     assert result.returncode == 0, result.stderr
-    words = [call[2:] for call in calls(log)]
+    words = [call[3:] for call in calls(log)]
     assert words == [["digit"], [], ["vhdl"], ["digit-board", "twin"], [], []]
 
 
@@ -301,13 +301,7 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
         if found:
             (tmp_path / program).symlink_to(found)
     words = [
-        sys.executable,
-        "-m",
-        "tactus.verify.sim",
-        "digit-single",
-        "--block",
-        "hybrid",
-        "--sim",
+        *(*CALL, "tactus.verify.sim", "digit-single", "--block", "hybrid", "--sim"),
     ]
     for simulator, package in (("ghdl", "ghdl"), ("icarus", "iverilog")):
         result = run(*words, simulator, PATH=str(tmp_path))
@@ -494,7 +488,7 @@ def test_a_search_ends_with_its_workers_and_its_shared_memory(
     tmp_path: Path, number: int, said: str
 ) -> None:
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 20, 2), 1.0, 1)])
-    command = [sys.executable, "-m", "tactus.cli.train", "mine.toml"]
+    command = [*CALL, "tactus.cli.train", "mine.toml"]
     with started(*command, folder=tmp_path) as search:
         wait(lambda: beginning(search.pid))
         if number == signal.SIGINT:
@@ -583,11 +577,11 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
         ["tactus.verify.sim same.toml --sim=icarus", "tactus.verify.prove --block=abs_unit"],
         [
             "tactus.cli.demo same.toml",
-            "tactus.export same.toml vhdl",
+            "tactus.export.command same.toml vhdl",
             "tactus.report.page.build same.toml",
-            "tactus.certify same.toml",
-            "tactus.verify.sign_off.mutate --scene=same.toml",
-            "tactus.verify.sign_off.mutate --block=abs_unit",
+            "tactus.certify.command same.toml",
+            "tactus.verify.sign_off.mutate.command --scene=same.toml",
+            "tactus.verify.sign_off.mutate.command --block=abs_unit",
             "tactus.verify.sim --block=abs_unit --netlist=1 --record",
         ],
     ),
@@ -598,7 +592,7 @@ def test_commands_wait_for_others_on_the_same_folder(tmp_path: Path, words: str)
     with (
         held([tmp_path / "build" / name]),
         subprocess.Popen(
-            [sys.executable, "-m", *words.split()],
+            [*CALL, *words.split()],
             cwd=tmp_path,
             env=os.environ | {"PYTHONPATH": str(ROOT), VARIABLE: ""},
             stdout=subprocess.PIPE,
@@ -615,7 +609,7 @@ def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
     searches = [
         subprocess.Popen(
-            [sys.executable, "-m", "tactus.cli.train", "same.toml", "--workers=1"],
+            [*CALL, "tactus.cli.train", "same.toml", "--workers=1"],
             cwd=tmp_path,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
             stdout=subprocess.DEVNULL,

@@ -384,7 +384,7 @@ def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) 
     """The command is called as make calls it, with the other values that it needs."""
     known = BY_NAME[command]
     given = {argument.name: argument.example for argument in known.arguments if argument.needed}
-    words = known.words(given | {"SCENE": name})[2:]
+    words = known.words(given | {"SCENE": name})[3:]
     code, said = desk.call(command, *words[: len(words) - len(known.last)])
     assert code == 2
     if command == "check":

@@ -2,7 +2,6 @@
 
 import csv
 import re
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from refused import Desk
-from shared import run
+from shared import CALL, run
 
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork, packed, unpacked
 from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
 from tactus.core.table import read_csv_file, read_table, write_table
-from tactus.export.__main__ import export_scene
+from tactus.export.command import export_scene
 from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
 from tactus.rig.predict import (
@@ -304,7 +303,7 @@ def test_the_command(scene: Scene) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n0.999,0.1,-5\n")
     out = scene.path.parent / "out.csv"
     out.write_text("an older one")
-    command = [sys.executable, "-m", "tactus.cli.predict"]
+    command = [*CALL, "tactus.cli.predict"]
     result = run(*command, scene.path, source, out, "--force")
     assert result.returncode == 0, result.stderr
     assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout

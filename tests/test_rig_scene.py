@@ -2,14 +2,13 @@
 
 import re
 import subprocess
-import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from shared import run
+from shared import CALL, run
 
 from golden.input_error import InputError
 from golden.trained.dense import mlp_of, network_of
@@ -310,7 +309,7 @@ def test_nothing_is_overwritten(tmp_path: Path, there: str) -> None:
 def test_the_command_says_what_it_saw_and_writes(tmp_path: Path) -> None:
     path = tmp_path / "rig.csv"
     path.write_text(text_of(TABLE | {"who": ["me"] * 60}))
-    done = run(sys.executable, "-m", "tactus.cli.scene", path, "force, place")
+    done = run(*CALL, "tactus.cli.scene", path, "force, place")
     assert done.returncode == 0, done.stderr
     assert f"{path}: 60 rows, 6 columns" in done.stdout
     assert "  who    left out  no numbers, line 2 holds 'me'" in done.stdout
@@ -433,7 +432,7 @@ def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None
         ["tactus.cli.scene", *words],
         ["tactus.verify.check", str(scene.path), "--build", str(tmp_path / "build")],
     ):
-        done = run(sys.executable, "-m", *command)
+        done = run(*CALL, *command)
         assert done.returncode == 0, done.stderr
         assert "warning  dead: tells nothing" in done.stdout
         assert "ok       s1: without it force " in done.stdout

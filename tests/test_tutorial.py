@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from conftest import random_mlp, tiered, write_scene
-from shared import ROOT, copy_room, run
+from shared import CALL, ROOT, copy_room, run
 
 from tactus.core.folders import ROOMS
 
@@ -70,7 +70,7 @@ def test_make_scene_drafts_the_scene_of_the_rail(tmp_path: Path) -> None:
     readings, written = FOLDER / "readings.csv", tmp_path / "rig.toml"
     (tmp_path / "readings.csv").write_text(readings.read_text())
     command = ["tactus.cli.scene", str(tmp_path / "readings.csv"), "force,place"]
-    done = run(sys.executable, "-m", *command, "--to", written)
+    done = run(*CALL, *command, "--to", written)
     assert done.returncode == 0, done.stderr
     text = written.read_text().replace(os.path.relpath(ROOT, tmp_path), "../tactus", 1)
     assert text == (FOLDER / "rig.toml").read_text()
@@ -144,7 +144,7 @@ def test_everybody_asks_the_twin(copy: Path, tmp_path: Path) -> None:
 @pytest.mark.all_only
 @pytest.mark.parametrize(("arrangement", "block"), [("single", "rowwise"), ("cascade", "cascade")])
 def test_its_benches_pass(copy: Path, tmp_path: Path, arrangement: str, block: str) -> None:
-    words = ("-m", "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
+    words = (*CALL[1:], "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
     simulated = python(copy, *words)
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
@@ -167,13 +167,13 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     (copy / sheet[1]).write_text(sheet[2])
     scene = next(name for name, _ in files if name.endswith(".toml"))
 
-    trained = python(copy, "-m", "tactus.cli.train", scene)
+    trained = python(copy, *CALL[1:], "tactus.cli.train", scene)
     assert trained.returncode == 0, trained.stderr
-    simulated = python(copy, "-m", "tactus.verify.sim", scene, "--block", "relu")
+    simulated = python(copy, *CALL[1:], "tactus.verify.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
     hardware = copy / "hdl" / "activation" / "relu.py"
     hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
-    broken = python(copy, "-m", "tactus.verify.sim", scene, "--block=relu", "--sim=icarus")
+    broken = python(copy, *CALL[1:], "tactus.verify.sim", scene, "--block=relu", "--sim=icarus")
     assert broken.returncode == 1
     assert "results differ" in broken.stdout

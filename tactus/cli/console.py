@@ -20,14 +20,14 @@ from click.shell_completion import CompletionItem
 from golden.input_error import InputError
 from tactus.cli.commands import WIDTH, scene_names, start
 from tactus.core.cli import run
-from tactus.core.commands import BY_NAME, COMMANDS, Argument, Command, flag
+from tactus.core.commands import BY_NAME, COMMANDS, Argument, Command
 from tactus.core.folders import is_checkout
 
 NAME = "tactus"
 WORD = "SCENE"
 # The variables whose value is the name or the path of a scene.
 SCENES = (WORD, "HARDWARE", "BESIDE")
-DRY = flag("DRY")
+DRY = Argument("DRY", "flag")
 ARGUMENTS = {a.name: a for a in (DRY, *(a for c in COMMANDS for a in c.arguments))}
 INSTALLED = [command for command in COMMANDS if command.module]
 SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": WIDTH}

@@ -9,7 +9,6 @@ simulates each by itself. A bench that has passed and has not changed since is n
 if an earlier demo was interrupted.
 """
 
-import sys
 import textwrap
 import time
 from collections.abc import Sequence
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
@@ -101,7 +100,3 @@ def demonstrate(scenes: Sequence[Scene]) -> int:
     if len(scenes) > 1:
         print("\n".join(["", *headline(tuple(proved)).lines()]))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

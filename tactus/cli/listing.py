@@ -3,7 +3,6 @@
 For a network without a program, whose products are made by adders, it prints every adder.
 """
 
-import sys
 from collections.abc import Sequence
 
 from golden.common.block import walk
@@ -22,7 +21,7 @@ from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
 from golden.trained.function import TANH
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.scene import load_scene
 
@@ -215,7 +214,3 @@ def lesson_listing(program: LessonProgram) -> list[str]:
             lines.append(f"{begun[address]}:")
         lines.append(f"{address:>5}  {program.notes[address]}")
     return lines
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

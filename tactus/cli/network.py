@@ -1,10 +1,9 @@
 """``make network``: writes a network of a scene as .npz, .mat or .onnx."""
 
-import sys
 from pathlib import Path
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_output
 from tactus.network_files.network_file import form_of, write_network
@@ -33,7 +32,3 @@ def main() -> None:
     stop_if_dry_run(f"write {file}")
     write_network(file, network)
     print(f"wrote {file}, {':'.join(str(n) for n in network.shape)}")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,10 +1,9 @@
 """``make predict``: computes what a scene's hardware gives for new readings."""
 
-import sys
 from pathlib import Path
 
 from golden.input_error import InputError
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.table import read_csv_file
 from tactus.rig.predict import (
@@ -63,7 +62,3 @@ def main() -> None:
         f"is that of {known.held} held-out rows"
     )
     print(f"wrote {path}")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

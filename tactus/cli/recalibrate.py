@@ -5,7 +5,6 @@ most.
 """
 
 import hashlib
-import sys
 import warnings
 from dataclasses import replace
 from itertools import islice
@@ -15,7 +14,7 @@ import numpy as np
 
 from golden.input_error import InputError, naming
 from golden.numbers.real import Real
-from tactus.core.cli import numbers, run, stop_if_dry_run
+from tactus.core.cli import numbers, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.recalibration.fit import Fit, LeftOut, fit, left_out
 from tactus.recalibration.folder import check_copy, scene_file, write_copy
@@ -282,7 +281,3 @@ def _warn_unexplained(scene: Scene, placements: Placements, left: LeftOut) -> No
             "rightly? Or more than gain and offset has changed",
             stacklevel=2,
         )
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,11 +1,10 @@
 """``make scene``: writes a scene for recorded readings, and prints what they show."""
 
 import shlex
-import sys
 from pathlib import Path
 
 from golden.input_error import InputError
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_file, check_folder, check_writable
 from tactus.core.finding import refuse
@@ -63,7 +62,3 @@ def main() -> None:
     argument = f"SCENE={shlex.quote(str(path))}"
     train = "" if network else f"make train {argument} and "
     print(f"next: make check {argument}, then {train}make vhdl {argument}")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,7 +1,6 @@
 """``make train``: trains the networks that a scene names."""
 
 import json
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
@@ -16,9 +15,9 @@ from threadpoolctl import threadpool_limits
 from golden.input_error import InputError
 from golden.trained.dense import DenseNetwork
 from tactus.core import store
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.closure import code
-from tactus.core.commands import arguments_of, option
+from tactus.core.commands import arguments_of
 from tactus.core.files import check_output, reading, writing
 from tactus.core.finding import refuse
 from tactus.core.hold import held
@@ -142,11 +141,7 @@ def _read(record: Path) -> Iterator[Result]:
 
 
 def main() -> None:
-    arguments = arguments_of(
-        "train",
-        __doc__,
-        option("WORKERS", kind=int, start=-1),  # processes; -1: one a core
-    )
+    arguments = arguments_of("train", __doc__, workers=int)
     scene = load_scene(arguments.scene)
     check_layers(scene)
     refuse(before_training(scene, arguments.build))
@@ -161,7 +156,8 @@ def main() -> None:
     stop_if_dry_run(
         f"train {len(scene.members)} networks and write {', '.join(map(str, scene.network_files))}"
     )
-    train_scene(scene, arguments.build, arguments.workers)
+    # -1: a process on each core
+    train_scene(scene, arguments.build, arguments.workers or -1)
 
 
 def nodes_of(result: Result) -> str:
@@ -341,7 +337,3 @@ def errors_of(task: Task, network: DenseNetwork, part: str) -> dict[str, Any]:
             name: round(float(mean), 4) for name, mean in zip(names, means, strict=True)
         }
     return errors
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -26,8 +26,6 @@ HASH_SEED = {"PYTHONHASHSEED": "0"}
 # An option of the system's prctl: what loses its parent becomes a child of the calling process.
 PR_SET_CHILD_SUBREAPER = 36
 _FORK_EXEC = _posixsubprocess.fork_exec
-# The largest seed of random numbers that every generator accepts.
-MOST_SEED = (1 << 32) - 1
 # What is said after each signal that asks a command to end.
 SAID = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "terminated"}
 # Set when a command is asked to end: what its threads find from then on is not to be kept.
@@ -121,18 +119,6 @@ def run(main: Callable[[], int | None]) -> int:
             return 1
         print(f"error: {error}", file=sys.stderr)
         return 2
-
-
-def run_repeatable(module: str, main: Callable[[], int | None]) -> None:
-    """Run a command's ``main`` so that its output is the same bytes every time, and exit.
-
-    MyHDL orders sensitivity lists by hash. So the command starts itself again with a fixed hash
-    seed.
-    """
-    if os.environ | HASH_SEED != os.environ:
-        os.environ.update(HASH_SEED)
-        os.execv(sys.executable, [sys.executable, "-m", module, *sys.argv[1:]])
-    sys.exit(run(main))
 
 
 @contextmanager

@@ -90,15 +90,19 @@ def got(place: str, value: object, expected: str) -> str:
     return f"{place}: got {written(value)}, expected {expected}"
 
 
-def written(value: object) -> str:
-    """A value as it is written in a TOML file."""
+def written(value: object, read: bool = False) -> str:
+    """A value as it is written in a TOML file.
+
+    read: Whether it is one of ``filled``, where a whole number may have become a float.
+    """
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
-        return f"[{', '.join(map(written, value))}]"
+        return f"[{', '.join(written(one, read) for one in value)}]"
     if isinstance(value, dict) and value:
-        return f"{{ {', '.join(f'{name} = {written(one)}' for name, one in value.items())} }}"
-    return repr(value)
+        parts = (f"{name} = {written(one, read)}" for name, one in value.items())
+        return f"{{ {', '.join(parts)} }}"
+    return repr(value).removesuffix(".0") if read else repr(value)
 
 
 def named(rule: Rule) -> str:
@@ -135,9 +139,11 @@ def fits(rule: Rule, value: Any) -> bool:
         return any(fits(one, value) for one in rule["anyOf"])
     if "type" not in rule:
         return True
-    finite = type(value) is not float or math.isfinite(value)
+    # A whole number of TOML has 64 bits at most; any may then become a float.
+    long = type(value) is int and not -(1 << 63) <= value < 1 << 63
+    unfit = long or (type(value) is float and not math.isfinite(value))
     empty = "minLength" in rule and not value
-    return type(value) in TYPES[rule["type"]] and finite and not empty
+    return type(value) in TYPES[rule["type"]] and not unfit and not empty
 
 
 def _allowed(rule: Rule, value: Any) -> bool:
@@ -196,7 +202,8 @@ def _faults_of_table(rule: Rule, value: dict[str, Any], place: str) -> Iterator[
         return
     unknown = [name for name in value if name not in keys]
     for name in unknown:
-        text = f"key {name!r} is not known, expected {', '.join(keys)}"
+        what = "key" if place or not isinstance(value[name], dict) else "section"
+        text = f"{what} {name!r} is not known, expected {', '.join(keys)}"
         yield ": ".join(filter(None, (place, text))) + suggest(name, list(keys))
     for name, key in keys.items():
         where = within(place, name)
@@ -232,10 +239,12 @@ def clashes(rule: Rule, values: dict[str, Any]) -> Iterator[str]:
                 good, expected = other in given, choices if "." in other else f"a section [{other}]"
             else:
                 good = there in known if known else other not in given
-                expected = " or ".join(written(one) for one in known if one != "") or "no such key"
+                texts = [written(one, read=True) for one in known if one != ""]
+                expected = " or ".join(texts) or "no such key"
             if not good:
-                shown = "none" if there in ("", [], {}) else written(there)
-                beside = f"{place} {written(value)}" if "." in place else f"a section [{place}]"
+                shown = "none" if there in ("", [], {}) else written(there, read=True)
+                of_key = f"{place} {written(value, read=True)}"
+                beside = of_key if "." in place else f"a section [{place}]"
                 because = f": {key['because']}" if "because" in key else ""
                 yield f"{other}: got {shown} with {beside}, expected {expected}{because}"
 
@@ -284,22 +293,9 @@ def read_checked(
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
     if amend:
         amend(raw, path)
-    found = [*_long(raw, "")] or [*faults(rule, raw, "")]
-    if found:
+    if found := [*faults(rule, raw, "")]:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))
     return dict(filled(rule, raw))
-
-
-def _long(value: Any, place: str) -> Iterator[str]:
-    """Messages for whole numbers beyond TOML's 64 bits; within them each is a float too."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _long(inner, within(place, key))
-    elif isinstance(value, list):
-        for inner in value:
-            yield from _long(inner, place)
-    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
-        yield f"{place}: got a number of {value.bit_length()} bits, expected 64 at most"
 
 
 def has_default(rule: Rule) -> bool:

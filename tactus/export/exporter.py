@@ -98,7 +98,7 @@ def _asked(scene: Scene, folder: Path) -> tuple[store.Key, Path]:
 @cache
 def _sources() -> str:
     """A digest of the modules that read and export a scene, and of the data beside them."""
-    modules = closure(["tactus.export.__main__"]).values()
+    modules = closure(["tactus.export.command"]).values()
     beside = {file for folder in {path.parent for path in modules} for file in folder.iterdir()}
     data = sorted(file for file in beside if file.suffix in {".csv", ".jinja", ".toml"})
     return fingerprint([*modules, *data])

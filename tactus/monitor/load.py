@@ -1,11 +1,10 @@
 """``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
-import sys
 import time
 
 from golden.input_error import InputError
 from golden.link.packets import image_packet
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.line import Line, frames_from, open_line
@@ -78,7 +77,3 @@ def main() -> None:
     with open_line(arguments.port, arguments.baud, board) as line:
         count = load(line, board)
         print(f"{line.label}: {board.scene.name} runs, {count} bytes")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

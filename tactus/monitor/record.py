@@ -1,7 +1,6 @@
 """``make record``: record readings at known placements, in the form that ``make scene`` takes."""
 
 import math
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 from golden.input_error import InputError, suggest
 from golden.link.packets import Frame
 from golden.numbers.real import Real
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import same_file
 from tactus.core.finding import fault, refuse
@@ -252,7 +251,3 @@ def main() -> None:
                 f"{spread[worst] / arguments.frames**0.5:.2g}"
             )
         check_rows(csv, len(placements or ()), interrupted)
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,6 +1,5 @@
 """``make activations``: measures how far activations are from tanh; the site shows plots, too."""
 
-import sys
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -14,7 +13,7 @@ from golden.activation.scheme import Scheme
 from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS, Precision
 from golden.numbers.real import Real
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.report.draw.svg import svg
 from tactus.report.measure.table import Row, Table
@@ -127,7 +126,3 @@ def main() -> None:
     arguments_of("activations", __doc__)
     stop_if_dry_run("measure every activation")
     print("\n".join(activation_table().lines()))
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

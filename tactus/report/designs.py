@@ -1,12 +1,11 @@
 """``make designs``: prints what each design of a scene's networks costs, without synthesis."""
 
-import sys
 import textwrap
 from collections.abc import Sequence
 from math import ceil
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.report.draw.named import Named, drawn
 from tactus.report.draw.run_time import ACROSS, PRINTED, printed_designs
@@ -139,7 +138,3 @@ def main() -> None:
         print()
         for line in refused_lines(refused):
             print(textwrap.fill(line, 100, subsequent_indent="  "))
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

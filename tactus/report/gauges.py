@@ -1,12 +1,11 @@
-"""``python -m tactus.report.gauges RIG``: finds the best places of gauges on a beam."""
+"""``make sensors``: finds the best places of gauges on a beam."""
 
-import sys
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
 from tactus.physics.gauges import OUTPUTS, GaugeRig, load_rig
@@ -95,7 +94,3 @@ def main() -> None:
         table.write_csv(temporary / "sensors.csv")
         (temporary / "sensors.svg").write_text(picture, encoding="utf-8")
     print(f"\nwrote {folder}")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

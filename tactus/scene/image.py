@@ -1,13 +1,12 @@
 """``make image``: the image of a scene, for its own hardware or for that of another one."""
 
-import sys
 from pathlib import Path
 
 from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
 from tactus.scene import load_scene
@@ -93,7 +92,3 @@ def main() -> None:
         f"program, {image.program.addresses} of {sizes.operand_words} operand words, "
         f"{len(data)} bytes, check {data[-2:].hex()}"
     )
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,4 +1,4 @@
-"""``python -m tactus.synth.lean SCENE``: show what a scene leaves out, and what that saves.
+"""``make lean``: shows what a scene leaves out, and what that saves.
 
 The scene is built twice: whole, with every segment of every activation and every hidden node, and
 as it is. The scenes of ``--beside`` are built as they are, for comparison.
@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from golden.common.block import Block
-from tactus.core.cli import run_repeatable, stop_if_dry_run, words
+from tactus.core.cli import stop_if_dry_run, words
 from tactus.core.commands import arguments_of
 from tactus.core.progress import Progress
 from tactus.export.hierarchy import convert_hierarchy, elaborate
@@ -56,7 +56,3 @@ def cells(spec: Block, family: str) -> dict[str, int]:
     with tempfile.TemporaryDirectory() as name:
         convert_hierarchy(elaborate(spec), Path(name), "verilog")
         return synthesise(Path(name), spec.entity, family)[spec.entity]
-
-
-if __name__ == "__main__":
-    run_repeatable("tactus.synth.lean", main)

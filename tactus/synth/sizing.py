@@ -1,4 +1,4 @@
-"""``python -m tactus.synth.sizing``: record the cells to which the estimates are fitted.
+"""``python -m tactus.cli.call tactus.synth.sizing``: records the cells for the estimates.
 
 ``tactus/sizing/cells.csv`` gets the cells of the networks that ``make synth`` recorded, and of
 other designs of the same networks, beside the numbers from which ``tactus.sizing.model`` estimates
@@ -14,7 +14,7 @@ from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
-from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.table import write_csv_file
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.network_files.parsed import file_of
@@ -167,7 +167,3 @@ def main() -> None:
     stop_if_dry_run("synthesise networks and record their cells")
     write_csv_file(CELLS, [COLUMNS, *map(written, record())])
     print(f"wrote {CELLS}")
-
-
-if __name__ == "__main__":
-    run_repeatable("tactus.synth.sizing", main)

@@ -1,11 +1,9 @@
 """``make check``: looks for everything that can be wrong with a scene, and prints each check."""
 
 import shutil
-import sys
 from pathlib import Path
 
 from golden.input_error import InputError
-from tactus.core.cli import run
 from tactus.core.commands import arguments_of
 from tactus.core.finding import OK, WARNING, Finding, collect_faults, faults
 from tactus.core.machine import versions
@@ -46,7 +44,3 @@ def main() -> None:
         raise InputError(
             f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, listed above"
         )
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -23,7 +23,7 @@ from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
 from tactus.core import store
-from tactus.core.cli import run, stop_if_dry_run, whole, words
+from tactus.core.cli import stop_if_dry_run, whole, words
 from tactus.core.closure import code
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
@@ -235,7 +235,3 @@ def main() -> int:
     stop_if_dry_run(f"export {', '.join(sorted(built))} and prove it for every frame")
     with held(BUILD / name for name in built):
         return prove_scenes(asked)
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

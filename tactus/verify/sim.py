@@ -6,14 +6,13 @@ scenes. Benches run on the exported VHDL and Verilog, or on the netlist that ``-
 """
 
 import argparse
-import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from tactus.core.cli import dry, run, stop_if_dry_run
+from tactus.core.cli import dry, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
@@ -105,7 +104,3 @@ def simulate(
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):
                 print(f"waves: {wave}")
     return conclude(outcomes)
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -5,10 +5,9 @@ holds the plots, a CSV for each table, and report.json with all tables.
 """
 
 import dataclasses
-import sys
 import time
 
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_writable, replace_file, replace_folder, write_json
 from tactus.core.folders import BUILD
@@ -82,7 +81,3 @@ def build_report(scene: Scene) -> Page:
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")
     return page
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

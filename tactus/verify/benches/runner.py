@@ -139,8 +139,8 @@ def ready_scene(name: str) -> Scene:
 
 def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     """Export the scene in a fresh process that begins with the hash seed the exporter wants."""
-    command = [sys.executable, "-m", "tactus.export", str(scene.path.resolve()), tongue]
-    command += ["--build", str(build.resolve())]
+    command = [sys.executable, "-m", "tactus.cli.call", "tactus.export.command"]
+    command += [str(scene.path.resolve()), tongue, "--build", str(build.resolve())]
     # So it need not start itself a second time.
     environment = os.environ | HASH_SEED
     result = subprocess.run(

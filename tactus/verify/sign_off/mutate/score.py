@@ -16,7 +16,6 @@ import os
 import random
 import re
 import shutil
-import sys
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -26,7 +25,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from tactus.core import store
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.closure import code
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
@@ -381,7 +380,3 @@ def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
             found &= all(one["explained"] for one in facts["survivors"])
     print(processor_line(processor_minutes()))
     return 0 if found else 1
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

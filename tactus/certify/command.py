@@ -7,7 +7,6 @@ says what it found. The exit code is that of the script, with 0 for amber.
 
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -27,7 +26,7 @@ from tactus.certify.delivered import (
     write_digests,
 )
 from tactus.certify.page import write_page
-from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_room, replace_folder
 from tactus.core.folders import BUILD
@@ -100,7 +99,3 @@ def main() -> int:
     print(f"wrote {folder / 'certificate.html'}")
     print(processor_line(processor_minutes()))
     return int(any(result.colour == "red" for result in results))
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,4 +1,4 @@
-"""``python -m tactus.synth SCENE``: find the cells of every block and the clock, beside the thesis.
+"""``make synth``: finds the cells of every block and the clock, beside the thesis.
 
 ``build/<scene>/synth`` gets ``cells.csv`` with every entity, and ``synth.json`` with every figure
 and the versions of the tools. It is an error if an entity does not cost what the recorded budget
@@ -13,7 +13,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.networks.network import Network
-from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json
 from tactus.core.progress import Progress
@@ -148,7 +148,3 @@ def _compare(scene: Scene, cells: Cells) -> None:
             f"{path}: {len(lines)} figures differ; RECORD=1 records them\n" + "\n".join(lines)
         )
     print(f"as recorded in {path}")
-
-
-if __name__ == "__main__":
-    run_repeatable("tactus.synth", main)

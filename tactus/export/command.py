@@ -1,15 +1,11 @@
-"""``python -m tactus.export [SCENE] LANGUAGE``: write a scene as VHDL, Verilog or both.
-
-Without a scene the default scenes are exported. The same scene gives the same bytes on every run
-(``tactus.core.cli``).
-"""
+"""``make vhdl`` and ``make verilog``: export a scene, or without one the default scenes."""
 
 import argparse
 import shlex
 from itertools import product
 from pathlib import Path
 
-from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
@@ -24,7 +20,7 @@ BOTH = "both"
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tactus.export", description=__doc__)
+    parser = argparse.ArgumentParser(prog="make vhdl", description=__doc__)
     parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
     parser.add_argument("language", choices=[*sorted(LANGUAGES), BOTH])
     parser.add_argument("--build", type=Path, default=BUILD)
@@ -63,7 +59,3 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
     saturated = hidden_saturations(scene, scene.vectors().codes)
     for line in [*ranges(scene), *range_lines(scene, saturated)]:
         print(line)
-
-
-if __name__ == "__main__":
-    run_repeatable("tactus.export", main)

@@ -6,8 +6,8 @@ from contextlib import ExitStack
 
 from golden.input_error import InputError
 from golden.link.decoder import FRAMES
-from tactus.core.cli import numbers, run, stop_if_dry_run
-from tactus.core.commands import arguments_of, option
+from tactus.core.cli import numbers, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.progress import CLEAR
 from tactus.monitor.board import board_of
 from tactus.monitor.csv_file import GrowingCsv
@@ -48,7 +48,7 @@ class Terminal:
 
 
 def main() -> None:
-    arguments = arguments_of("monitor", __doc__, option("SECONDS", kind=float))
+    arguments = arguments_of("monitor", __doc__, seconds=float)
     drift = None
     if found := numbers("DRIFT", arguments.drift, 2, MOST):
         drift = Disturbance(gain=found[0], offset=found[1])
@@ -84,7 +84,3 @@ def main() -> None:
         terminal.say(told)
         if csv:
             terminal.say(f"wrote {csv.path}, {csv.rows} rows")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

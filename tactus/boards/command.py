@@ -1,4 +1,4 @@
-"""``python -m tactus.boards SCENE BOARD``: make a file with which a board is programmed.
+"""``make bitstream``: makes a file with which a board is programmed.
 
 ``build/<scene>/bitstream/<board>`` gets the bitstream, the Verilog and the pins file that it was
 made of, and ``bitstream.json`` with the resources that it takes, the versions of the tools and a
@@ -22,7 +22,7 @@ from tactus.boards.bitstream import (
     sources,
     write_record,
 )
-from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json
 from tactus.core.progress import Progress
@@ -83,7 +83,3 @@ def tell(design: Network, board: Board, made: Sources, report: Report, file: Pat
     if board.load:
         print(f"until the supply is cut:  {board.load} {file}")
     print(f"for good:                 {board.flash} {file}")
-
-
-if __name__ == "__main__":
-    run_repeatable("tactus.boards", main)
