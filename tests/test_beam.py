@@ -65,15 +65,11 @@ def test_a_fit_finds_the_sensor_that_made_the_readings(position: float) -> None:
 
 
 def test_what_the_fit_makes_of_the_recorded_sensors() -> None:
-    """Sensors 1 to 3 follow theory within 2.4 % of their span; sensor 4 reads no bending moment."""
+    """Sensor 4 reads no bending moment. The others are in test_pages.py, as the page shows them."""
     table = recorded()
     loads = loads_from_codes(table[:, 4:], BEAM)
     sensors = fit_sensors(table, BEAM)
     residuals = read_sensors(sensors, loads) - table[:, :4]
-    percent = 100 * np.sqrt((residuals**2).mean(axis=0)) / np.ptp(table[:, :4], axis=0)
-    assert percent == pytest.approx([0.75, 1.09, 2.11, 1.12], abs=0.01)
-    places = [1e3 * sensor.position for sensor in sensors[:3]]
-    assert places == pytest.approx([0.5, 86.9, 149.9], abs=0.1)
     assert sensors[3].position == pytest.approx(BEAM.length * (1 - FARTHEST), rel=1e-3)
     # The load alone fits as well as any position of the sensor.
     matrix = np.stack([loads.mass, np.ones(len(table))], axis=1)

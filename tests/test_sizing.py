@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -146,12 +147,12 @@ def test_a_clock_is_estimated_between_recorded_ones_alone() -> None:
 def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
     scene = auto(tmp_path, "")
     rows, _ = compared(scene)
-    prices = {row.candidate.name: scene.price.of(row.cells("xc2v")) for row in rows}
+    prices = {row.candidate.name: scene.device.price(row) for row in rows}
     for row in rows:
         limited = auto(tmp_path, f"clocks = {row.clocks}\ninterval = {row.interval}")
         known, _ = compared(limited)
         assert {one.candidate.name for one in rows} <= {one.candidate.name for one in known}
-        prices |= {one.candidate.name: scene.price.of(one.cells("xc2v")) for one in known}
+        prices |= {one.candidate.name: scene.device.price(one) for one in known}
         fit = [o for o in known if o.clocks <= row.clocks and o.interval <= row.interval]
         assert (
             limited.choice.row.candidate.name
@@ -181,11 +182,13 @@ def test_a_rate_is_an_interval_at_the_clock(tmp_path: Path) -> None:
     assert scene.twin().interval <= 10
 
 
-def test_prices_change_the_choice(tmp_path: Path) -> None:
-    dear = "prices = { lut = 0, multiplier = 1, block_ram = 0 }"
-    cheap = "prices = { lut = 1, multiplier = 0, block_ram = 0 }"
-    first, second = (auto(tmp_path, prices).choice for prices in (dear, cheap))
-    assert (first.row.multipliers, second.row.multipliers) == (0, 1)
+def test_the_price_is_the_sum_of_shares_of_the_device(tmp_path: Path) -> None:
+    choice = auto(tmp_path, 'device = "LFE5U-25F"').choice
+    cells = choice.row.cells("ecp5")
+    share = 100 * (cells.luts / 24288 + cells.multipliers / 28 + cells.block_rams / 56)
+    assert choice.lines()[0].endswith(f", {share:.3g} % of LFE5U-25F")
+    small = replace(choice, device=replace(choice.device, block_rams=1))
+    assert small.lines()[0].endswith("% of LFE5U-25F, in which it does not fit")
 
 
 def auto_tables(folder: Path, lines: str) -> Scene:

@@ -129,7 +129,7 @@ def choice_of(scene: Scene) -> Choice:
     if scene.front_end and not wanted.clocks:
         wanted = replace(wanted, clocks=scene.front_end.clocks_left(scene.window))
     with naming(scene.path):
-        return choose(task, wanted, scene.price)
+        return choose(task, wanted, scene.device)
 
 
 def chosen(scene: Scene, choice: Choice) -> Scene:

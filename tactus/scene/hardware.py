@@ -10,7 +10,7 @@ from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.numbers.precision import EXACT, PRECISIONS
 from tactus.core.schema import written
-from tactus.sizing.choice import DEFAULT, DEVICES, UNDECIDED, Demand, Price, shares_of
+from tactus.sizing.choice import UNDECIDED, Demand
 
 
 def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
@@ -155,15 +155,6 @@ def demand(hardware: dict[str, Any], path: Path) -> Demand:
                 f"{1e6 * hardware['clock_mhz']:g}, a frame in every clock"
             )
     return Demand(hardware["clocks"], interval, rate)
-
-
-def price(hardware: dict[str, Any], path: Path) -> Price:
-    found, prices = shares_of(hardware["device"] or DEFAULT), hardware.get("prices")
-    if prices is None:
-        return found
-    if not any(prices.values()):
-        raise InputError(f"{path}: hardware.prices: got 0 for all, expected one above 0")
-    return Price(DEVICES[found.device.name], **prices, shares=False)
 
 
 def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:

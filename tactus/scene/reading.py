@@ -15,13 +15,14 @@ from tactus.core.fingerprint import ROOT
 from tactus.core.schema import clashes, read_checked
 from tactus.scene.data import check_data, check_window, data_paths, read_window
 from tactus.scene.front_end import front_end, uart, visualisation
-from tactus.scene.hardware import check_activation, demand, design_options, price
+from tactus.scene.hardware import check_activation, demand, design_options
 from tactus.scene.keys import SCENE
 from tactus.scene.labels import output_names, read_labels
 from tactus.scene.network import members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
 from tactus.scene.training import training
+from tactus.sizing.choice import DEFAULT, DEVICES
 
 FOLDER = ROOT / "scenes"
 # The scenes that a command uses when it is given none: the instrument of the thesis, and the same
@@ -125,6 +126,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         ends=tuple(data["ends"]),
         arrangement=values["network"]["arrangement"],
         precision=PRECISIONS[hardware["precision"]],
+        device=DEVICES[hardware["device"] or DEFAULT],
         **{key: data[key] for key in of_data},
         **{key: hardware[key] for key in of_hardware},
         **_parts(values, path, found),
@@ -144,7 +146,6 @@ def _parts(values: dict[str, dict[str, Any]], path: Path, found: list[Finding]) 
     made: dict[str, Callable[[], Any]] = {
         "members": networks,
         "design_options": lambda: design_options(values, path),
-        "price": lambda: price(hardware, path),
         "demand": lambda: demand(hardware, path),
         "activation": lambda: check_activation(hardware, path),
         "scale": lambda: read_scale(data, path),

@@ -36,7 +36,7 @@ from tactus.scene.network import SceneNetwork
 from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
 from tactus.scene.training import Training
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
-from tactus.sizing.choice import DEFAULT_PRICE, NO_DEMAND, UNDECIDED, Choice, Demand, Price
+from tactus.sizing.choice import DEFAULT, DEVICES, NO_DEMAND, UNDECIDED, Choice, Demand, Device
 
 # While a network is trained whose design is still to be chosen, it is computed by these.
 STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
@@ -54,7 +54,7 @@ class Scene:
     members: The networks, in the order of the outputs.
     design: A name of ``DESIGNS``, or "auto"; see ``chosen``.
     demand: How fast the networks must be.
-    price: What hardware costs where the design is to be chosen.
+    device: The device whose shares are compared where the design is to be chosen.
     """
 
     name: str
@@ -89,7 +89,7 @@ class Scene:
     uart: Uart | None
     learning: str = ""
     demand: Demand = NO_DEMAND
-    price: Price = DEFAULT_PRICE
+    device: Device = DEVICES[DEFAULT]
 
     @property
     def weights_paths(self) -> list[Path]:

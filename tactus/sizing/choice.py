@@ -82,6 +82,23 @@ class Device:
     multipliers: int
     block_rams: int
 
+    def shares(self, cells: Cells) -> list[float]:
+        """The shares of LUTs, multipliers and block RAMs that a design takes, in per cent."""
+        pairs = (
+            (cells.luts, self.luts),
+            (cells.multipliers, self.multipliers),
+            (cells.block_rams, self.block_rams),
+        )
+        return [100 * taken / there for taken, there in pairs]
+
+    def price(self, row: Sized) -> float:
+        return sum(self.shares(row.cells(self.family)))
+
+    def text(self, row: Sized) -> str:
+        fits = max(self.shares(row.cells(self.family))) <= 100
+        text = f"{self.price(row):.3g} % of {self.name}"
+        return text if fits else f"{text}, in which it does not fit"
+
 
 # The device of the thesis, which is the default, and the ECP5 of the boards; an LFE5U-12F is an
 # LFE5U-25F that is sold for half.
@@ -99,54 +116,6 @@ DEFAULT = "XC2V3000"
 
 
 @dataclass(frozen=True)
-class Price:
-    """The price of a LUT, of a multiplier and of a block RAM.
-
-    lut, multiplier, block_ram: In any unit. Without prices of a scene, each is its share of all
-        that the device has, in per cent.
-    shares: Whether they are these shares.
-    """
-
-    device: Device
-    lut: float
-    multiplier: float
-    block_ram: float
-    shares: bool = True
-
-    def of(self, cells: Cells) -> float:
-        return (
-            self.lut * cells.luts
-            + self.multiplier * cells.multipliers
-            + self.block_ram * cells.block_rams
-        )
-
-    def text(self, cells: Cells) -> str:
-        found = self.of(cells)
-        text = f"{found:.3g} % of {self.device.name}" if self.shares else f"a price of {found:.4g}"
-        return text if self.fits(cells) else f"{text}, in which it does not fit"
-
-    def fits(self, cells: Cells) -> bool:
-        """Whether the device has all that a design takes, as far as prices are its shares."""
-        device = self.device
-        pairs = (
-            (cells.luts, device.luts),
-            (cells.multipliers, device.multipliers),
-            (cells.block_rams, device.block_rams),
-        )
-        return not self.shares or all(taken <= there for taken, there in pairs)
-
-
-def shares_of(name: str = DEFAULT) -> Price:
-    """The prices that are shares of a device, in per cent; see ``Price``."""
-    device = DEVICES[name]
-    shares = 100 / device.luts, 100 / device.multipliers, 100 / device.block_rams
-    return Price(device, *shares)
-
-
-DEFAULT_PRICE = shares_of()
-
-
-@dataclass(frozen=True)
 class Choice:
     """The design that was chosen, and what is beside it.
 
@@ -157,7 +126,7 @@ class Choice:
 
     row: Sized
     demand: Demand
-    price: Price
+    device: Device
     smaller: Sized | None
     faster: Sized | None
 
@@ -168,8 +137,7 @@ class Choice:
             missing = self.demand.misses(one.clocks, one.interval) or [
                 f"is further from the networks: {_apart(one)}, not {self.row.mean:.3g}"
             ]
-            price = self.price.text(one.cells(self.price.device.family))
-            smaller = f"{one.candidate.name} at {price} {' and '.join(missing)}"
+            smaller = f"{one.candidate.name} at {self.device.text(one)} {' and '.join(missing)}"
         faster = self._told(self.faster) if self.faster else "none, no other design is faster"
         return [
             f"chosen: {self._told(self.row)}",
@@ -178,17 +146,17 @@ class Choice:
         ]
 
     def _told(self, row: Sized) -> str:
-        cells = row.cells(self.price.device.family)
+        cells = row.cells(self.device.family)
         return (
             f"{row.candidate.name}: {row.clocks} clocks, a frame every {row.interval}; about "
             f"{cells.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
-            f"{_counted(cells.block_rams, 'block RAM')}, {self.price.text(cells)}"
+            f"{_counted(cells.block_rams, 'block RAM')}, {self.device.text(row)}"
             f"{f'; {_apart(row)}' if row.coarse else ''}"
         )
 
 
-def choose(task: SizingTask, demand: Demand, price: Price) -> Choice:
-    """The cheapest design of a task that meets a demand.
+def choose(task: SizingTask, demand: Demand, device: Device) -> Choice:
+    """The design of a task that meets a demand and takes the least of a device.
 
     A coarse design is taken only where no other one meets it.
     """
@@ -201,7 +169,7 @@ def choose(task: SizingTask, demand: Demand, price: Price) -> Choice:
                 f"{one.candidate.name}: {one.reason}" for one in found if isinstance(one, Refused)
             )
         )
-    rows.sort(key=lambda row: (price.of(row.cells(price.device.family)), row.clocks))
+    rows.sort(key=lambda row: (device.price(row), row.clocks))
     fit = [row for row in rows if not demand.misses(row.clocks, row.interval)]
     if not fit:
         nearest = min(rows, key=lambda row: demand.excess(row.clocks, row.interval))
@@ -212,7 +180,7 @@ def choose(task: SizingTask, demand: Demand, price: Price) -> Choice:
     speed = attrgetter("clocks" if demand.clocks or not demand.interval else "interval")
     faster = [one for one in rows if speed(one) < speed(row)]
     return Choice(
-        row, demand, price, rows[place - 1] if place else None, faster[0] if faster else None
+        row, demand, device, rows[place - 1] if place else None, faster[0] if faster else None
     )
 
 
