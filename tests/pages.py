@@ -1,7 +1,7 @@
 """Compares the figures that a page shows with measured ones, and states how exact this can be.
 
-Another processor rounds last bits differently. On x86-64, eleven settings of the processor and SciPy
-1.13 and 1.17 changed sums over recorded vectors and codes, series and converged fits by 2e-7 at
+Another processor rounds last bits differently. On x86-64, eleven settings of the processor and two
+versions of SciPy changed sums over recorded vectors and codes, series and converged fits by 2e-7 at
 most (docs/studies/numerics.md). ROUNDING is fifty times that, and a tenth of the last digit that
 any page shows.
 """
