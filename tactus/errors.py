@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -15,7 +15,6 @@ from tactus.network_files.network_file import read_provenance
 from tactus.scene import Scene
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.labels import decided, margins
-from tactus.scene.metrics import OutputError, summarise
 from tactus.scene.scale import readings
 from tactus.train.split import split_of, split_story
 
@@ -33,6 +32,41 @@ SEED = 1
 
 # Errors are also stated with this noise, as a part of the full scale: 2 mV of a volt.
 NOISE = 0.002
+
+
+@dataclass(frozen=True)
+class OutputError:
+    """Error of one output over a set of frames, in percent or, see ``millimetres``, as lengths.
+
+    mean: Mean error over all frames.
+    largest_mean: Largest of the mean errors at each position (equation 3.15), which is the thesis'
+        "better than" figure.
+    worst: Largest error of a single frame.
+    """
+
+    mean: float
+    largest_mean: float
+    worst: float
+
+
+def summarise(errors: Real, groups: ArrayLike) -> list[OutputError]:
+    """A summary for each column of ``errors``, with means over each value of ``groups``."""
+    places = np.asarray(groups)
+    means = np.array([errors[places == place].mean(axis=0) for place in np.unique(places)])
+    return [
+        OutputError(float(errors[:, c].mean()), float(means[:, c].max()), float(errors[:, c].max()))
+        for c in range(errors.shape[1])
+    ]
+
+
+def millimetres(error: OutputError, length: float) -> OutputError:
+    """An error in percent of a full scale as a length; the full scale is ``length`` millimetres.
+
+    ``golden/numbers/units.py`` holds the lengths of the flexible digit and says how they were
+    checked.
+    """
+    part = length / 100
+    return OutputError(error.mean * part, error.largest_mean * part, error.worst * part)
 
 
 def provenances(scene: Scene) -> list[dict[str, Any]] | None:

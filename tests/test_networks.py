@@ -38,10 +38,10 @@ from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalis
 from golden.trained.dense import mlp_of
 from golden.trained.window import Window
 from tactus.core.fingerprint import ROOT
-from tactus.errors import held_out_means
+from tactus.errors import held_out_means, summarise
 from tactus.report.measure.networks import scenes
 from tactus.scene import Scene, load_scene, scene_names, thesis_figures
-from tactus.scene.metrics import error_scale, summarise
+from tactus.scene.vectors import error_scale
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of
 from tb.common.cases import random_mlp, random_network

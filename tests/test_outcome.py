@@ -24,6 +24,7 @@ from tactus.errors import (
     scene_errors,
 )
 from tactus.network_files.network_file import provenance_path, save_network, write_network
+from tactus.report.activations import activation_error
 from tactus.report.draw.outcome import disturbance_plots, predicted_plots
 from tactus.report.measure.networks import scenes as every_scene
 from tactus.report.measure.outcome import (
@@ -40,7 +41,6 @@ from tactus.report.page.headline import REBUILT, SHOWN, headline
 from tactus.report.page.summary import errors, in_units
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_path, thesis_table
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.metrics import activation_error
 from tactus.scene.scale import Scale, on_readings
 from tactus.synth.budget import read_budget
 from tactus.train.split import split_of, split_story

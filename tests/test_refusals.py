@@ -170,25 +170,13 @@ def npz(**changed: Any) -> bytes:
     return file.getvalue()
 
 
-def npy(header: str, data: bytes = b"") -> bytes:
+def npy(header: str) -> bytes:
     """An archive of one array with a header of its own."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
-        start = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header))
-        archive.writestr("w1.npy", start + header.encode() + data)
+        length = struct.pack("<H", len(header))
+        archive.writestr("w1.npy", b"\x93NUMPY\x01\x00" + length + header.encode())
     return file.getvalue()
-
-
-def shaped(shape: str) -> str:
-    return f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}"
-
-
-def zipped(offset: int, value: int) -> bytes:
-    """An archive with a wrong field in its first entry: 0 for its flags, 2 for its method."""
-    content = bytearray(npz())
-    content[content.find(b"PK\x03\x04") + 6 + offset] = value
-    content[content.find(b"PK\x01\x02") + 8 + offset] = value
-    return bytes(content)
 
 
 def damaged(content: bytes, at: int, count: int = 4) -> bytes:
@@ -244,14 +232,12 @@ def elsewhere(location: str) -> TensorProto:
 
 NPZ = {
     "empty": (b"", "no zip archive"),
-    "its end cut off": (npz()[:-10], "no zip archive"),
-    "encrypted": (zipped(0, 1), "not an NPZ of numbers"),
-    "compressed by a method that it is not": (zipped(2, 12), "not an NPZ of numbers"),
     "damaged": (damaged(npz(), 300), "not an NPZ of numbers"),
-    "asks for terabytes": (npy(shaped(f"({10**12}, 3)")), "not an NPZ of numbers"),
-    "too short": (npy(shaped("(5, 3)"), b"abc"), "not an NPZ of numbers"),
+    "asks for terabytes": (
+        npy(f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**12}, 3)}}"),
+        "not an NPZ of numbers",
+    ),
     "code": (npy("__import__('os')"), "not an NPZ of numbers"),
-    "an endless header": (npy("(" * 5000), "not an NPZ of numbers"),
     "objects": (npz(w1=np.array([object()])), "not an NPZ of numbers"),
     "complex": (npz(w1=ROWS["w1"] + 1j), "w1: got complex128, expected real numbers"),
     "dates": (npz(b1=np.full(5, np.datetime64(1, "D"))), "b1: got datetime64[D], expected real"),

@@ -98,22 +98,6 @@ def test_a_scene_for_a_network_from_elsewhere(tmp_path: Path, name: str, times: 
     assert np.abs(bit_true - results).max() < 0.02
 
 
-@pytest.mark.parametrize(
-    ("shape", "outputs", "message"),
-    [
-        ((2, 4, 2), "force,place", "got a network of 2 inputs, expected 3, one for each sensor of"),
-        ((3, 4, 1), "force,place", "got a network of 1 outputs, expected 2, one for each output"),
-        ((4, 4, 2), "force,place", "idle is left out: "),
-    ],
-)
-def test_a_network_for_other_columns_is_refused(tmp_path: Path, shape, outputs, message) -> None:
-    file = tmp_path / "net.npz"
-    write_network(file, random_network(shape, ("tanh",), 1.0, 1))
-    found = look(tmp_path, outputs, idle=np.zeros(60))
-    with pytest.raises(InputError, match=f"net.npz: .*{message}"):
-        brought(file, found)
-
-
 def look(folder: Path, outputs: str = "force,place", **changed: object) -> Survey:
     """The survey of the readings, with some columns changed or added."""
     path = folder / "rig.csv"
@@ -199,32 +183,6 @@ def test_sessions_that_have_names_are_held_out_whole(
     assert ('split = "groups"\nsplit_by = ["day"]' in text) == split
 
 
-def with_cell(text: str) -> list[str]:
-    cells = [f"{value:.4f}" for value in TABLE["s1"]]
-    cells[4] = text
-    return cells
-
-
-@pytest.mark.parametrize(
-    ("outputs", "changed", "fault"),
-    [
-        ("force,plac", {}, "no column 'plac'; did you mean 'place'?"),
-        ("", {}, "OUTPUTS=: got none, expected each once some of the columns s1, s2, s3, force"),
-        ("force,force", {}, "OUTPUTS=: got force,force, expected each once"),
-        ("force,place", {"force": np.ones(60)}, "output 'force': got 1 in every row"),
-        ("force,place", {"s1": with_cell("")}, "rig.csv:6: column 's1': got an empty cell"),
-        ("force,place", {"s1": with_cell("nan")}, "rig.csv:6: column 's1': got 'nan'"),
-        ("force,place", {"s1": with_cell("1e999")}, "rig.csv:6: column 's1': got '1e999'"),
-        ("force,place", {"s1": with_cell('"0,5"')}, "got '0,5', expected '0.5' with a decimal"),
-        ("force,place", {"place": with_cell("far")}, "rig.csv:6: column 'place': got 'far'"),
-        ("force,place", {f"s{k}": ["x"] * 60 for k in (1, 2, 3)}, "no column is a sensor"),
-    ],
-)
-def test_faults(tmp_path: Path, outputs: str, changed: dict[str, object], fault: str) -> None:
-    found = look(tmp_path, outputs, **changed)
-    assert fault in "\n".join(str(f) for f in found.findings if f.verdict == FAULT), texts(found)
-
-
 @pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
     (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
@@ -295,15 +253,6 @@ def test_awkward_names_stay_what_they_are(tmp_path: Path) -> None:
     for member, mlp in zip(scene.members, networks, strict=True):
         assert np.array_equal(member.load().layers[0].weights, mlp.layers[0].weights)
     assert {file.name for file in scene.network_files} == {"my-rig.npz"}
-
-
-@pytest.mark.parametrize("there", ["my-rig.toml", "my-rig.npz", "my-rig.provenance.toml"])
-def test_nothing_is_overwritten(tmp_path: Path, there: str) -> None:
-    (tmp_path / there).write_text("mine")
-    with pytest.raises(InputError, match=f"{there}: is there already"):
-        scene_of(tmp_path)
-    assert (tmp_path / there).read_text() == "mine"
-    assert {path.name for path in tmp_path.iterdir()} == {"rig.csv", there}
 
 
 def test_the_command_says_what_it_saw_and_writes(tmp_path: Path) -> None:

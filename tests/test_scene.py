@@ -58,7 +58,6 @@ from tactus.scene import (
 from tactus.scene.codes import saturating
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.keys import EDITOR_SCHEMA, SCENE
-from tactus.scene.reading import in_todays_words
 from tactus.scene.scale import Scale, on_readings, range_scale, readings, signals
 from tactus.scene.vectors import read_recorded, warn_outside
 from tactus.train import search
@@ -81,23 +80,6 @@ def edited(scene: Scene, old: str, new: str) -> str:
 def test_a_shipped_scene_needs_no_group_in_its_name() -> None:
     for name in (*scene_names(), *class_names(), *comparison_names()):
         assert load_scene(Path(name).name).path == load_scene(name).path
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ({"design": "lanes", "lanes": 4}, {"design": "engine", "lanes": 4}),
-        ({"design": "lanes"}, {"design": "engine", "lanes": 2}),
-        ({"design": "engine", "multiplier": "serial"}, {"design": "engine", "lanes": 0}),
-        ({"multiplier": "dsp"}, {"lanes": 1}),
-    ],
-)
-def test_older_words_of_the_engine_are_read_with_a_note(old: dict, new: dict, capsys) -> None:
-    path, raw = Path(f"{old}.toml"), {"hardware": dict(old)}
-    in_todays_words(raw, path)
-    assert raw == {"hardware": new}
-    said = ", ".join(f"{key} = {value!r}" for key, value in new.items())
-    assert capsys.readouterr().err == f"note: {path}: [hardware] is read as {said}\n"
 
 
 @pytest.mark.parametrize(

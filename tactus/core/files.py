@@ -6,12 +6,10 @@ Files and folders get the permissions that the umask leaves, as if they were wri
 import errno
 import json
 import os
-import re
 import secrets
 import shutil
 import stat
 import tempfile
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -25,8 +23,6 @@ from tactus.core.folders import refuse_installed
 ROOM = 1 << 20
 # A recorded object that is longer takes a line for each key.
 WIDTH = 100
-# No command takes so many seconds for one folder.
-LONGEST = 7 * 86400
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
@@ -61,26 +57,9 @@ def named_file(kind: str, name: str, known: Mapping[str, Path], shown: Sequence[
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Whether two paths name one file, now or once both have been written.
-
-    Two paths may do so by links, by ``..`` in them, or by capitals if the file system ignores case.
-    It does if a folder of the path is also found by a name in another case.
-    """
-    try:
-        one, other = (Path(os.path.realpath(path)) for path in (one, other))
-    except ValueError:  # a NUL: no file has such a name
-        return False
-    if one == other:
-        return True
-    with suppress(OSError, ValueError):
-        if one.samefile(other):
-            return True
-    if str(one).casefold() != str(other).casefold():
-        return False
-    folders = [folder for folder in one.parents if folder.name.swapcase() != folder.name]
-    with suppress(OSError, ValueError):
-        there = next(folder for folder in folders if folder.is_dir())
-        return there.with_name(there.name.swapcase()).samefile(there)
+    """Whether two paths name one file, by links or by ``..`` in them, now or once it is written."""
+    with suppress(OSError, ValueError):  # a NUL: no file has such a name
+        return os.path.realpath(one) == os.path.realpath(other) or one.samefile(other)
     return False
 
 
@@ -285,7 +264,7 @@ def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
 
 
 def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
-    """Rename all files; a replaced file keeps a second name until nothing can fail any more."""
+    """Rename all files; of a replaced file a copy stays until nothing can fail any more."""
     with ExitStack() as tidy, ExitStack() as undo:
         for temporary, path in zip(temporaries, paths, strict=True):
             with writing(path):
@@ -294,28 +273,12 @@ def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
                 elif path.exists():
                     old = _beside(path)
                     tidy.callback(old.unlink, missing_ok=True)
-                    _second_name(path, old)
+                    shutil.copy2(path, old)
                     undo.callback(old.replace, path)
                 else:
                     undo.callback(path.unlink, missing_ok=True)
                 temporary.replace(path)
         undo.pop_all()
-
-
-def _second_name(path: Path, name: Path) -> None:
-    """Give a file a second name by a link, or by a copy if the file system has no links."""
-    try:
-        name.hardlink_to(path)
-    except OSError:
-        shutil.copy2(path, name)
-
-
-def _remove_left(path: Path) -> None:
-    """Remove temporary folders of commands that were killed, once they are surely not in use."""
-    ours = re.compile(rf"\.{re.escape(path.name)}\.[0-9a-f]{{16}}{re.escape(path.suffix)}")
-    for folder in path.parent.iterdir() if path.parent.is_dir() else ():
-        if ours.fullmatch(folder.name) and folder.stat().st_mtime < time.time() - LONGEST:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager
@@ -324,7 +287,6 @@ def replace_folder(path: Path) -> Iterator[Path]:
     with writing(path):
         if path.exists() and not path.is_dir():
             raise NotADirectoryError(errno.ENOTDIR, "got a file, expected a folder")
-        _remove_left(path)
         temporary, old = _beside(path), _beside(path)
         temporary.mkdir()
     try:

@@ -21,8 +21,8 @@ from tactus.recalibration.fit import fit
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.scene.disturbance import zero_signals
-from tactus.scene.metrics import error_scale
 from tactus.scene.scale import readings, signals
+from tactus.scene.vectors import error_scale
 
 # A correction beyond so many standard deviations of the expected drift is hardly a drift.
 MOST_DRIFT = 3.0

@@ -1,13 +1,10 @@
 """Reads scenes, by name or from a file."""
 
-import sys
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
-from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
 from tactus.core.files import named_file
 from tactus.core.finding import Finding, collect_faults, fault, refuse
@@ -65,31 +62,7 @@ def load_scene(name: str) -> Scene:
         name: scene_path(one) for one in reversed(every) for name in (one, one.rpartition("/")[2])
     }
     path = named_file("scene", name, files, known)
-    return _scene(read_checked(path, SCENE, in_todays_words), path)
-
-
-def in_todays_words(raw: dict[str, Any], path: Path) -> None:
-    """Put what an older file says of the engine into the words of today, with a note.
-
-    The design `lanes` was the engine with several lanes, and `multiplier` said whether it has one.
-    """
-    hardware = raw.get("hardware")
-    if not isinstance(hardware, dict):
-        return
-    before = dict(hardware)
-    if hardware.get("design") == "lanes":
-        hardware |= {"design": Engine.block, "lanes": hardware.get("lanes", 2)}
-    if hardware.get("multiplier") in ("dsp", "serial"):
-        lanes = int(hardware.pop("multiplier") == "dsp")
-        hardware.setdefault("lanes", lanes)
-    if hardware != before:
-        new = [f"{key} = {hardware[key]!r}" for key in ("design", "lanes") if key in hardware]
-        _note(f"{path}: [hardware] is read as {', '.join(new)}")
-
-
-@cache
-def _note(text: str) -> None:
-    print(f"note: {text}", file=sys.stderr)
+    return _scene(read_checked(path, SCENE), path)
 
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
@@ -25,7 +26,6 @@ from tactus.core.table import (
     rows_where,
 )
 from tactus.scene.labels import one_hot, wrong_percent
-from tactus.scene.metrics import error_scale
 from tactus.scene.scale import Scale, readings, signals
 
 if TYPE_CHECKING:
@@ -179,6 +179,23 @@ class Vectors:
         if self.classes:
             return wrong_percent(results, self.targets)
         return 100 * np.abs(self.targets - results) / self.scale
+
+
+def error_scale(targets: ArrayLike, outputs: Sequence[str], full_scale: dict[str, float]) -> Real:
+    """The divisor of each error: the full scale of its output, or the target's magnitude.
+
+    By equation 3.16 the error in percent is ``100 * |t - y|`` divided by it.
+
+    targets: shape (frames, outputs).
+    outputs: Names of the columns.
+    full_scale: Scales of the outputs whose error is divided by a constant (position and width:
+        0.9).
+    """
+    scale = np.abs(np.asarray(targets, dtype=np.float64))
+    for c, name in enumerate(outputs):
+        if name in full_scale:
+            scale[:, c] = full_scale[name]
+    return scale
 
 
 def read_vectors(scene: Scene) -> Vectors:

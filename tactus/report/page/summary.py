@@ -8,13 +8,19 @@ from golden.common.block import walk
 from golden.networks.network import Network
 from golden.numbers.precision import SIGNAL
 from tactus.core.folders import BUILD
-from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors, unit_errors
+from tactus.errors import (
+    UNKNOWN,
+    held_out_means,
+    held_out_text,
+    millimetres,
+    scene_errors,
+    unit_errors,
+)
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Row, Table
 from tactus.scene import Scene, thesis_figures
 from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, ranges
-from tactus.scene.metrics import millimetres
 from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
 from tactus.synth.cells import FAMILIES, KINDS
 from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
