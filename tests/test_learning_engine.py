@@ -13,7 +13,7 @@ from golden.engine.graph import LOOKED_UP, Kind, Term
 from golden.engine.integer_network import evaluate
 from golden.input_error import InputError
 from golden.learning.corrected import THETA, Corrected
-from golden.learning.gradient import Lesson, bounded, start
+from golden.learning.gradient import bounded, hidden_words
 from golden.learning.program import assembled
 from golden.learning.segments import lms
 from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
@@ -22,7 +22,6 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from hdl.common.lookup import hardware
 from tactus.export.hierarchy import port_signals
-from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE
@@ -206,15 +205,8 @@ def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None
 
 
 @pytest.fixture(scope="module")
-def taught() -> Corrected:
-    recorded = Sensitivity.of(SCENE, np.zeros(len(SCENE.sensors)))
-    return Corrected.of(SCENE.mlps(), recorded.gain, recorded.offset)
-
-
-@pytest.fixture(scope="module")
-def recording() -> Lesson:
-    """Every row of the recording as the one placement of a drift of its own, without any drift."""
-    return Lesson(VECTORS.codes[:, np.newaxis], TARGETS[:, np.newaxis])
+def taught(twin: LearningEngine) -> Corrected:
+    return twin.program.taught
 
 
 def test_without_a_correction_the_networks_are_those_of_the_scene(taught: Corrected) -> None:
@@ -225,11 +217,10 @@ def test_without_a_correction_the_networks_are_those_of_the_scene(taught: Correc
 
 
 @pytest.mark.parametrize("output", range(4))
-def test_derivatives_are_those_of_the_network(
-    taught: Corrected, recording: Lesson, output: int
-) -> None:
+def test_derivatives_are_those_of_the_network(taught: Corrected, output: int) -> None:
     """By calculus on the trained network, which reads known outputs in front of it."""
-    hidden = recording.hidden(taught, start(recording, taught), 0, output)
+    theta = np.zeros((len(VECTORS.codes), 2 * taught.sensors), dtype=np.int64)
+    hidden = hidden_words(taught, theta, VECTORS.codes, TARGETS, output)
     found = taught.slopes(output, hidden) / 2**14
     seen = np.hstack([SIGNAL.to_real(VECTORS.codes), SIGNAL.to_real(TARGETS)[:, :output]])
     first, second = SCENE.mlps()[output].layers

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,60 +46,40 @@ PLACEMENTS = 8
 MOST_LEAK = 64
 
 
-@dataclass(frozen=True)
-class Lesson:
-    """Placements in the order in which they are shown, for several drifts side by side.
-
-    samples, shape (drifts, placements, sensors): Codes of what drifted sensors read.
-    targets, shape (drifts, placements, outputs): Codes of the known outputs.
-    """
-
-    samples: Codes
-    targets: Codes
-
-    def __len__(self) -> int:
-        return int(self.targets.shape[1])
-
-    def words(self, placement: int) -> Codes:
-        """The words of the samples of a placement, shape (drifts, sensors)."""
-        return np.asarray(self.samples[:, placement] << SAMPLE_SHIFT, dtype=np.int64)
-
-    def known(self, placement: int) -> Codes:
-        """The words of its known outputs, shape (drifts, outputs), as an engine keeps outputs."""
-        return np.asarray((self.targets[:, placement] << OUTPUT_SHIFT) + HALF, dtype=np.int64)
-
-    def hidden(self, taught: Corrected, theta: Codes, placement: int, output: int) -> Codes:
-        """The hidden words of the network of an output, which reads known outputs before it."""
-        corrected = taught.samples(theta, self.words(placement))
-        return taught.hidden(output, np.hstack([corrected, self.known(placement)[:, :output]]))
+def known_words(known: Codes) -> Codes:
+    """The words of codes of known outputs, as an engine keeps outputs."""
+    return np.asarray((known << OUTPUT_SHIFT) + HALF, dtype=np.int64)
 
 
-@dataclass(frozen=True)
-class Equation:
-    """What an output of a placement says: ``error = row . (theta sought - theta)``.
-
-    error, shape (drifts,): The known output less the one found.
-    row, shape (drifts, 2 sensors): Derivatives of the output by theta.
-    """
-
-    error: Codes
-    row: Codes
+def hidden_words(
+    taught: Corrected, theta: Codes, samples: Codes, known: Codes, output: int
+) -> Codes:
+    """The hidden words of the network of an output, which reads the known outputs before it."""
+    corrected = taught.samples(theta, samples << SAMPLE_SHIFT)
+    return taught.hidden(output, np.hstack([corrected, known_words(known[:, :output])]))
 
 
 def equation(
-    taught: Corrected, lesson: Lesson, theta: Codes, placement: int, output: int
-) -> Equation:
-    """The equation of an output of a placement at ``theta``, through the network's derivatives.
+    taught: Corrected, theta: Codes, samples: Codes, known: Codes, output: int
+) -> tuple[Codes, Codes]:
+    """What an output of a placement says at ``theta``, of several placements side by side.
 
-    Equation: ``row = (dy/dz x G, dy/dz O)`` with the standard deviations G and O of theta.
+    Equation: ``error = row . (theta sought - theta)``, ``row = (dy/dz x G, dy/dz O)`` with the
+        standard deviations G and O of theta.
+
+    samples, shape (placements, sensors): Codes of what the sensors read.
+    known, shape (placements, outputs): Codes of the known outputs.
+
+    Returns: The error, shape (placements,): the known output less the one found. The row, shape
+        (placements, 2 sensors): the derivatives of the output by theta.
     """
-    hidden = lesson.hidden(taught, theta, placement, output)
-    found, known = taught.output(output, hidden)[:, 0], lesson.known(placement)[:, output]
+    hidden = hidden_words(taught, theta, samples, known, output)
+    error = known_words(known[:, output]) - taught.output(output, hidden)[:, 0]
     slopes = taught.slopes(output, hidden)
-    by_gain = rounded(slopes * (lesson.words(placement) >> SHORT))
+    by_gain = rounded(slopes * (samples << SAMPLE_SHIFT >> SHORT))
     gains, offsets = row_weights(taught)
     row = np.hstack([rounded(by_gain * gains), rounded(slopes * offsets)])
-    return Equation(rounded((known - found) << DROPPED), row)
+    return rounded(error << DROPPED), row
 
 
 def row_weights(taught: Corrected) -> tuple[Codes, Codes]:
@@ -110,15 +89,10 @@ def row_weights(taught: Corrected) -> tuple[Codes, Codes]:
     return gains, offsets
 
 
-def start(lesson: Lesson, taught: Corrected) -> Codes:
-    """Theta without any correction, shape (drifts, 2 sensors)."""
-    return np.zeros((len(lesson.samples), 2 * taught.sensors), dtype=np.int64)
-
-
 def bounded(theta: Codes, wanted: Codes) -> tuple[Codes, NDArray[np.bool_]]:
     """The new theta, and whether the step is taken; the old one where it would leave its format.
 
-    theta, wanted: shape (drifts, 2 sensors).
+    theta, wanted: shape (placements, 2 sensors).
     """
     inside = (wanted >= THETA.low) & (wanted <= THETA.high)
     fits = np.asarray(inside.all(axis=1), dtype=bool)
@@ -126,15 +100,15 @@ def bounded(theta: Codes, wanted: Codes) -> tuple[Codes, NDArray[np.bool_]]:
 
 
 def lms_step(
-    theta: Codes, found: Equation, step: int, leak: int
+    theta: Codes, error: Codes, row: Codes, step: int, leak: int
 ) -> tuple[Codes, NDArray[np.bool_]]:
     """Theta after an equation, and whether the step was taken.
 
     step, leak: The step in the format ``STEP``, and the leak of its output; see ``constants``.
     """
-    moved = rounded(found.error * step)
+    moved = rounded(error * step)
     # With 28 fraction bits.
-    by = moved[:, np.newaxis] * (found.row >> SHORT)
+    by = moved[:, np.newaxis] * (row >> SHORT)
     wanted = (theta << DROPPED) + by - theta * leak
     return bounded(theta, (wanted + HALF_WORD) >> DROPPED)
 
@@ -150,14 +124,13 @@ def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
     codes, shape (rows, sensors): Samples of a recording.
     targets, shape (rows, outputs): Its known outputs.
     """
-    rows = Lesson(codes[:, np.newaxis], targets[:, np.newaxis])
-    theta = start(rows, taught)
-    found = [equation(taught, rows, theta, 0, output) for output in range(taught.outputs)]
-    longest = np.array([(ROW.to_real(one.row) ** 2).sum(axis=1).max() for one in found])
+    theta = np.zeros((len(codes), 2 * taught.sensors), dtype=np.int64)
+    found = [equation(taught, theta, codes, targets, output) for output in range(taught.outputs)]
+    longest = np.array([(ROW.to_real(row) ** 2).sum(axis=1).max() for _, row in found])
     # An output that no sensor moves has the largest step there is.
     least = 0.5 / STEP.to_real(np.array(STEP.high))
     steps = STEP.quantise(0.5 / np.maximum(longest, least))[0]
-    squares = np.array([(ERROR.to_real(one.error) ** 2).mean() for one in found])
+    squares = np.array([(ERROR.to_real(error) ** 2).mean() for error, _ in found])
     exact = STEP.to_real(steps) * squares / PLACEMENTS
     # Rounded so that their sum is the least above the exact one.
     leaks = np.diff(np.ceil(np.cumsum(exact) * (1 << DROPPED)), prepend=0).astype(np.int64)
@@ -184,7 +157,7 @@ class Pupil:
         self.taught = taught
         self.steps = self.refused = self.changes = 0
         self._constants = constants
-        self._kept: deque[Lesson] = deque(maxlen=placements)
+        self._kept: deque[tuple[Codes, Codes]] = deque(maxlen=placements)
         self.theta: Codes = np.zeros(2 * taught.sensors, dtype=np.int64)
         # The placement and the output of the next equation.
         self._shown = self.output = 0
@@ -214,7 +187,7 @@ class Pupil:
         samples, shape (sensors,): Codes of what the sensors read.
         known, shape (outputs,): Codes of the known outputs.
         """
-        self._kept.append(Lesson(samples[np.newaxis, np.newaxis], known[np.newaxis, np.newaxis]))
+        self._kept.append((samples[np.newaxis], known[np.newaxis]))
         self._shown, self.output = len(self._kept) - 1, 0
 
     def step(self) -> bool:
@@ -225,10 +198,9 @@ class Pupil:
         """
         if not self._kept:
             return False
-        lesson = self._kept[self._shown]
         before = self.theta[np.newaxis]
-        found = equation(self.taught, lesson, before, 0, self.output)
-        (self.theta,), (taken,) = lms_step(before, found, *self._constants[self.output])
+        found = equation(self.taught, before, *self._kept[self._shown], self.output)
+        (self.theta,), (taken,) = lms_step(before, *found, *self._constants[self.output])
         self.steps += int(taken)
         self.changes += int(taken)
         self.refused += int(not taken)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from golden.learning.corrected import THETA
-from golden.learning.gradient import ERROR, ROW, STEP, Equation, lms_step
+from golden.learning.gradient import ERROR, ROW, STEP, lms_step
 from golden.numbers.real import Real
 from golden.trained.dense import packed, tanh
 from studies.stability import digits
@@ -136,7 +136,7 @@ def learning() -> Iterator[Row]:
         row = rows[[number % len(rows)]]
         error = ERROR.quantise(ROW.to_real(row) @ (aim - THETA.to_real(theta[0])))[0]
         # Without a leak, which would lead away from what is sought.
-        theta, _ = lms_step(theta, Equation(error, row), constant[0], 0)
+        theta, _ = lms_step(theta, error, row, constant[0], 0)
         away.append(float(np.linalg.norm(THETA.to_real(theta[0]) - aim)))
         grown = max(grown, away[-1] - away[-2])
     values = np.linalg.svd(real, compute_uv=False)
