@@ -4,8 +4,9 @@ Nothing here is shared, folded or cut as it is in hardware, so the two can be co
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, singledispatch
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,19 +51,14 @@ def two_layer_bounds(
     """
     hidden, outputs = mlp.layers
     first, second = layers_in_codes(mlp, precision)
-    built = built_nodes(second, len(activations))
+    every = list(range(len(second.weights[0])))
+    built = every if len(every) == len(activations) else used_nodes(second)
     hidden = replace(hidden, weights=hidden.weights[built], biases=hidden.biases[built])
     first = first.of_neurons(built)
     pairs = zip(activations, first.factors, strict=True)
     r_off = off(0, hidden, first) + [activation_error(*pair) for pair in pairs]
     result: Real = off(1, outputs, second) + np.abs(outputs.weights[:, built]) @ r_off
     return result
-
-
-def built_nodes(second: Layer, count: int) -> list[int]:
-    """The hidden nodes of a design that has ``count`` of them; all, or those that are used."""
-    every = list(range(len(second.weights[0])))
-    return every if len(every) == count else used_nodes(second)
 
 
 def engine_bounds(
@@ -209,43 +205,16 @@ def activation_error(activation: ActivationBlock, factor: int) -> float:
     return float(np.abs(miss).max())
 
 
-@dataclass(frozen=True)
-class ExactSum:
-    """One neuron's sum, computed in integers of unlimited width.
-
-    factor: Factor by which the sum is multiplied.
-    """
+class ExactNeuron(NamedTuple):
+    """One neuron's sum, computed in integers of unlimited width and multiplied by a factor."""
 
     formats: WeightedSum
     weights: Sequence[int]
     bias: int
     factor: int = 1
 
-    def process(self, frames: Codes) -> Codes:
-        """The neuron's result for every frame."""
-        results = (
-            exact_sum(self.formats, self.weights, self.bias, frame, self.factor)[1]
-            for frame in frames.tolist()
-        )
-        return np.array(list(results), dtype=np.int64)
 
-
-@dataclass(frozen=True)
-class ExactLayers:
-    """A network of two layers as sums and activations.
-
-    activations: One per hidden node.
-    """
-
-    hidden: list[ExactSum]
-    activations: tuple[ActivationBlock, ...]
-    outputs: list[ExactSum]
-
-    def process(self, frames: Codes) -> Codes:
-        """Output codes; activations are computed by parts, not read from tables of results."""
-        pairs = zip(self.hidden, self.activations, strict=True)
-        r = np.stack([activation.compute(one.process(frames)) for one, activation in pairs], axis=1)
-        return np.stack([one.process(r) for one in self.outputs], axis=1)
+ExactLayers = tuple[list[ExactNeuron], Sequence[ActivationBlock], list[ExactNeuron]]
 
 
 def exact_sum(
@@ -270,32 +239,46 @@ def designs_in(network: Block) -> list[Design]:
 
 @singledispatch
 def exact_layers(design: Design) -> ExactLayers:
-    """The sums and activations of a design of two layers."""
+    """The hidden neurons of a design of two layers, the activation of each, and the outputs."""
     raise NotImplementedError(f"{design.block}: its exact layers are not known")
 
 
 @exact_layers.register
 def _(design: Hybrid) -> ExactLayers:
     hidden, outputs = (
-        [ExactSum(s, *row) for row in zip(s.weights, s.biases, s.row_factors, strict=True)]
+        [ExactNeuron(s, *row) for row in zip(s.weights, s.biases, s.row_factors, strict=True)]
         for s in (design.input_integral, design.output_integral)
     )
-    return ExactLayers(hidden, design.activations, outputs)
+    return hidden, design.activations, outputs
 
 
 @exact_layers.register
 def _(design: Parallel) -> ExactLayers:
     hidden, outputs = (
-        [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
+        [ExactNeuron(n, n.weights, n.bias, n.factor or 1) for n in neurons]
         for neurons in (design.hidden_neurons, design.output_neurons)
     )
-    return ExactLayers(hidden, design.activations, outputs)
+    return hidden, design.activations, outputs
 
 
 @singledispatch
 def exact(design: Design, frames: Codes) -> Codes:
-    """Output codes, computed layer by layer in unlimited integers."""
-    return exact_layers(design).process(frames)
+    """Output codes, computed layer by layer in unlimited integers.
+
+    Activations are computed by parts, not read from tables of results.
+    """
+
+    def results(neuron: ExactNeuron, words: Codes) -> Codes:
+        found = [
+            exact_sum(neuron.formats, neuron.weights, neuron.bias, row, neuron.factor)[1]
+            for row in words.tolist()
+        ]
+        return np.array(found, dtype=np.int64)
+
+    hidden, activations, outputs = exact_layers(design)
+    pairs = zip(hidden, activations, strict=True)
+    r = np.stack([activation.compute(results(one, frames)) for one, activation in pairs], axis=1)
+    return np.stack([results(one, r) for one in outputs], axis=1)
 
 
 @exact.register
@@ -321,7 +304,7 @@ def hidden_weights(design: Design) -> list[Sequence[int]]:
 
     These are the hidden sums or, without a hidden layer, the outputs.
     """
-    return [node.weights for node in exact_layers(design).hidden]
+    return [node.weights for node in exact_layers(design)[0]]
 
 
 @hidden_weights.register
@@ -353,7 +336,7 @@ def error_bounds(
     return two_layer_bounds(
         mlp,
         precision,
-        exact_layers(design).activations,
+        exact_layers(design)[1],
         lambda n, real, codes: _rounded(real, codes, precision, fracs[n]),
     )
 
