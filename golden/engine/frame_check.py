@@ -9,7 +9,6 @@ from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.pipeline import Pipeline
 from golden.layers.input_controller import BROKEN, JUDGED, FrameScan, judge
-from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)
@@ -103,16 +102,13 @@ class Stream:
 
 @dataclass(frozen=True)
 class Guarded:
-    """The outputs in each clock, and which samples complete a good frame.
+    """What leaves the design in each clock, and which samples complete a good frame.
 
+    busy, frame_error: The ports of these names.
     done: The sample of this clock completes a frame that the engine then computes.
     """
 
-    start: NDArray[np.bool_]
-    run: NDArray[np.bool_]
     busy: NDArray[np.bool_]
-    write: NDArray[np.bool_]
-    write_addr: Codes
     frame_error: NDArray[np.bool_]
     done: NDArray[np.bool_]
 
@@ -160,38 +156,20 @@ class FrameGuard(Block):
         in_last: ArrayLike,
         halt: ArrayLike,
         before_last: ArrayLike,
-        store: ArrayLike,
         finish: ArrayLike,
         reset: ArrayLike,
     ) -> Guarded:
-        """The outputs in each clock, from a reset on."""
-        columns = [
-            np.asarray(c).tolist()
-            for c in (in_valid, in_last, halt, before_last, store, finish, reset)
-        ]
-        count, span = len(columns[0]), 1 << self.addr_width
-        start, run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(6))
-        write_addr = np.zeros(count, dtype=np.int64)
-        addr, running, begins, wrote, stream = span - 1, False, -1, False, Stream()
-        for t, (valid, last, halts, before, stores, ends, clears) in enumerate(
-            zip(*columns, strict=True)
-        ):
-            running = running or t == begins
-            run[t], busy[t] = running, running or begins > t
-            write[t], write_addr[t], error[t] = wrote, addr, stream.raised
-            refused = bool(halts or (valid and busy[t]))
-            number, good = stream.take(valid, last, refused, (before + 1) % span + 1)
+        """Whether it is busy, and what it decides, in each clock from a reset on."""
+        inputs = (in_valid, in_last, halt, before_last, finish, reset)
+        columns = [np.asarray(column).tolist() for column in inputs]
+        busy, error, done = (np.zeros(len(columns[0]), dtype=bool) for _ in range(3))
+        computes, stream = False, Stream()
+        for t, (valid, last, halts, before, ends, clears) in enumerate(zip(*columns, strict=True)):
+            busy[t], error[t] = computes, stream.raised
+            length = (before + 1) % (1 << self.addr_width) + 1
+            _, good = stream.take(valid, last, bool(halts or (valid and computes)), length)
             done[t] = good and not clears
-            wrote = number >= 0 or stores
-            if ends or halts or (number >= 0 and stream.raised):
-                addr = span - 1
-            elif wrote:
-                addr = (addr + 1) % span
-            if ends:
-                running = False
-            if done[t]:
-                begins = t + self.pipeline.run
-            start[t] = begins == t + 1
+            computes = done[t] or (computes and not (ends or clears))
             if clears:
-                addr, running, begins, wrote, stream = span - 1, False, -1, False, Stream()
-        return Guarded(start, run, busy, write, write_addr, error, done)
+                stream = Stream()
+        return Guarded(busy, error, done)

@@ -105,9 +105,7 @@ def computed(engine: Engine, valid, last, load, busy, last_out, clears):
     # The image that is loaded in each clock. Before the first image no frame is taken.
     place = np.searchsorted(since, np.arange(len(valid))) - 1
     before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
-    guarded = engine.frame_guard.process(
-        valid, last, loading.halt, before_last, 0 * valid, last_out, clears
-    )
+    guarded = engine.frame_guard.process(valid, last, loading.halt, before_last, last_out, clears)
     sizes, ends = engine.loaded.sizes, np.flatnonzero(guarded.done)
     images = [
         Image(sizes, (before + 2) % sizes.operand_words, tuple(words))
