@@ -3,13 +3,13 @@
 import csv
 import re
 from collections import Counter
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import on_engine, random_mlp
+from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from myhdl import Simulation, delay, instance
@@ -21,7 +21,7 @@ from golden.engine.function_table import codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.integer_network import LayerRounding, evaluate, sample_words
 from golden.engine.lane_groups import LaneGraph
-from golden.engine.lane_program import LaneInstruction, LaneProgram
+from golden.engine.lane_program import FIELDS, LaneProgram
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.quantise import integer_networks
@@ -59,7 +59,7 @@ def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
 @pytest.mark.parametrize("registers", [0, 1])
 def test_the_page_says_where_each_field_stands(registers: int) -> None:
     page, pipeline = PAGE.read_text(), Pipeline(registers)
-    names = [field.name for field in fields(LaneInstruction)]
+    names = list(FIELDS)
     shared = LaneGraph(2, Graph(1, ()), (), ((0, 0),))
     for name in names:
         row = re.search(rf"^\| `{name}` \| (\d+)(?: to (\d+))? \| (?:`(\w+)`)? ?\|", page, re.M)
@@ -75,16 +75,16 @@ def test_the_page_says_where_each_field_stands(registers: int) -> None:
         assert getattr(steps[found[0]], name) == (2 << (high - low)) - 1, name
 
 
-def test_the_listing_names_every_step(tmp_path, capsys) -> None:
-    mlps = [random_mlp((2, 2, 1), 1.0, 3)]
-    path = on_engine(tmp_path, mlps)
-    call("listing", path)
+@pytest.mark.parametrize("name", ["digit", "comparison/digit-lanes4"])
+def test_the_listing_names_every_step(name: str, capsys) -> None:
+    call("listing", name)
     head, columns, *lines = capsys.readouterr().out.splitlines()
-    engine = load_scene(str(path)).twin()
-    steps = engine.program.steps
+    engine = load_scene(name).twin()
+    steps, several = engine.program.steps, engine.lanes > 1
     assert head.startswith("tanh in 256 segments of 0.03125")
-    names = columns.split()
-    assert names == ["step", "neuron", "operand", "address", "weight", "then"]
+    names = re.split(" {2,}", columns)
+    weights = ["weight of each lane" if several else "weight", "then"]
+    assert names == ["step", f"neuron{'s' * several}", "operand", "address", *weights]
     begin = [columns.index(name) for name in names]
     rows = [
         [line[a:b].strip() for a, b in zip(begin, [*begin[1:], None], strict=True)]
@@ -94,11 +94,13 @@ def test_the_listing_names_every_step(tmp_path, capsys) -> None:
     for row, step in zip(rows, steps, strict=True):
         if row[2].startswith("sample"):
             assert row[3] == str(step.source)
-            (weight,) = engine.program.weights[step.place]
-            frac = coeff_frac(HIDDEN, SAMPLE)
-            assert float(row[4]) == pytest.approx(weight / (1 << frac), rel=1e-5)
+            codes = [
+                weight / 2 ** coeff_frac(HIDDEN, SAMPLE)
+                for weight in engine.program.weights[step.place]
+            ]
+            assert [float(text) for text in row[4].split()] == pytest.approx(codes, rel=1e-5)
     assert rows[-1][-1].endswith(f"leaves in clock {engine.output_clocks[-1]}")
-    stored = [int(row[-1].split()[2].rstrip(",")) for row in rows if row[-1]]
+    stored = [int(re.split("[ ,]", row[-1])[2]) for row in rows if row[-1]]
     assert stored == list(range(engine.inputs, engine.program.addresses))
 
 
@@ -176,18 +178,6 @@ def test_no_schedule_is_faster_than_its_path(name: str) -> None:
     for before, after in pairwise(numbers):
         sources = [term.source for term in shared.graph.neurons[after].terms]
         assert many.inputs + before in sources
-
-
-def test_the_listing_of_lanes_names_every_step(capsys) -> None:
-    call("listing", "comparison/digit-lanes4")
-    many = load_scene("comparison/digit-lanes4").twin()
-    head, columns, *lines = capsys.readouterr().out.splitlines()
-    assert head.startswith("tanh in 256 segments")
-    assert columns.split()[:4] == ["step", "neurons", "operand", "address"]
-    assert [line.split()[0] for line in lines[: many.program.length]] == [
-        str(n) for n in range(many.program.length)
-    ]
-    assert lines[many.program.length - 1].endswith(f"leaves in clock {many.output_clocks[-1]}")
 
 
 @pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])

@@ -228,14 +228,6 @@ def test_networks_of_other_depth_run_on_the_same_hardware(
         check_loaded(hardware, hardware.image_for([network]), Engine.of([network]))
 
 
-def test_networks_of_other_functions_run_on_the_same_hardware() -> None:
-    networks = networks_of_other_functions()
-    hardware = engine(networks[2], lanes=2, program_words=2048)
-    assert hardware.program.blocks == 4
-    for network in networks:
-        check_loaded(hardware, hardware.image_for([network]), Engine.of([network]))
-
-
 @pytest.mark.parametrize(
     ("hardware", "image", "message"),
     [

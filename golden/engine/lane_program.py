@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Self, TypeVar
 
 import numpy as np
@@ -96,22 +97,6 @@ def alone(graph: Graph, addresses: int, blocks: int) -> Layout | None:
     }
     found = Layout(tuple(widths.values()))
     return found if found.width <= WIDTH else None
-
-
-@dataclass(frozen=True)
-class LaneInstruction:
-    """One step, with its fields gathered from the words that hold them."""
-
-    place: int
-    source: int
-    kind: int
-    opens: int
-    gather: int
-    store: int
-    together: int
-    relu: int
-    output: int
-    end: int
 
 
 @dataclass(frozen=True)
@@ -216,37 +201,29 @@ class LaneProgram(Tabled):
         return np.array([signed_code(word) for word in self.table[len(self.table) // 2 :]])
 
     @cached_property
-    def steps(self) -> list[LaneInstruction]:
-        """The steps, up to the end of the frame."""
+    def steps(self) -> list[SimpleNamespace]:
+        """The steps up to the end of the frame, with ``FIELDS`` gathered from their words."""
         at, words = self.pipeline, self.words
         clocks = {name: getattr(at, clock) for name, (clock, _) in FIELDS.items()}
-        found: list[LaneInstruction] = []
+        found: list[SimpleNamespace] = []
         for n in range(len(words) - at.mark):
             values = {name: get(words[n + k], self.layout[name]) for name, k in clocks.items()}
             if self.beside and values["kind"] not in LOOKED_UP:
                 values["place"] = n + at.beside
-            found.append(LaneInstruction(**values))
+            found.append(SimpleNamespace(**values))
             if found[-1].end:
                 break
         return found
 
     @property
-    def output_steps(self) -> list[int]:
-        return [n for n, step in enumerate(self.steps) if step.output]
-
-    @property
-    def store_steps(self) -> list[int]:
-        """The steps whose results are stored."""
-        return [n for n, step in enumerate(self.steps) if step.store]
-
-    @property
-    def length(self) -> int:
-        return len(self.steps)
-
-    @property
     def addresses(self) -> int:
         """The number of words of the operand memory that the program uses."""
-        return self.inputs + len(self.store_steps)
+        return self.inputs + sum(step.store for step in self.steps)
+
+    @cached_property
+    def output_clocks(self) -> tuple[int, ...]:
+        """The clock in which each output leaves, counted from the last sample."""
+        return tuple(self.clock(n) for n, step in enumerate(self.steps) if step.output)
 
     def clock(self, step: int) -> int:
         """The clock in which a step's result is valid, counted from a frame's last sample."""
@@ -255,14 +232,6 @@ class LaneProgram(Tabled):
     @property
     def scheduled(self) -> list[Step]:
         return self.shared.schedule(self.pipeline)
-
-    def execute(self, samples: Codes) -> Codes:
-        """Compute output codes, shape (frames, outputs), from sample codes, shape (frames, inputs).
-
-        The steps are those of the hardware; only the sum has more bits here.
-        """
-        results = [words[0] >> OUTPUT_SHIFT for step, _, words in self.run(samples) if step.output]
-        return np.stack(results, axis=-1)
 
     def stored(self, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
         """Each neuron as it is stored: its number, whether it is a ReLU, its sums, their words."""
@@ -292,8 +261,13 @@ class LaneProgram(Tabled):
             f"{name}{label} {n}" for label in labels for name in names for n in range(self.segments)
         ] * bool(self.table) + texts
 
-    def run(self, samples: Codes) -> Iterator[tuple[LaneInstruction, list[Codes], list[Codes]]]:
-        """The last step of each group, the sum of each lane, and the word that it stores."""
+    def run(self, samples: Codes) -> Iterator[tuple[SimpleNamespace, list[Codes], list[Codes]]]:
+        """The last step of each group, the sum of each lane, and the word that it stores.
+
+        The steps are those of the hardware; only the sum has more bits here.
+
+        samples, shape (frames, inputs): Codes.
+        """
         lanes, zero = range(self.lanes), np.zeros(len(samples), dtype=np.int64)
         first = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
         memories = [list(first) for _ in lanes]
@@ -318,7 +292,7 @@ class LaneProgram(Tabled):
                 yield step, sums, words
 
     def _product(
-        self, step: LaneInstruction, memory: list[Codes], weight: int, zero: Codes
+        self, step: SimpleNamespace, memory: list[Codes], weight: int, zero: Codes
     ) -> Codes:
         if step.kind == Kind.ONE:
             return zero + (weight << DROPPED)

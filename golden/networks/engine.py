@@ -11,7 +11,7 @@ from golden.common.block import Block
 from golden.common.flow import Flow, Step, Wire
 from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.datapath import LaneAccumulate, LaneRound, OperandMemory
-from golden.engine.formats import DROPPED, WORD
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WORD
 from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
 from golden.engine.graph import Graph
@@ -145,10 +145,9 @@ class Engine(Design):
     def outputs(self) -> int:
         return len(self.output_clocks)
 
-    @cached_property
+    @property
     def output_clocks(self) -> tuple[int, ...]:
-        """The clock in which each output leaves, counted from the last sample."""
-        return tuple(map(self.program.clock, self.program.output_steps))
+        return self.program.output_clocks
 
     @property
     def clocks_text(self) -> str:
@@ -378,7 +377,8 @@ class Engine(Design):
         )
 
     def compute(self, frames: Codes) -> Codes:
-        return self.program.execute(frames)
+        results = [words[0] for step, _, words in self.program.run(frames) if step.output]
+        return np.stack(results, axis=-1) >> OUTPUT_SHIFT
 
     @property
     def ranges(self) -> tuple[Range, ...]:
