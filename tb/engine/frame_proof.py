@@ -13,12 +13,10 @@ COMPUTED = {
     "!(store || finish)",
     "The last output is no result that goes back to the memory.": "!(store && finish)",
 }
-# Broken copies, in which operands get wrong addresses.
-MISPLACED = (
-    (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
-    (r"write <= \(accept \|\| store\)", "write <= accept"),
-    (r"finish \|\| broken", "finish"),
-)
+
+
+# A broken copy in which no result is written.
+STORED = (r"write <= \(accept \|\| store\)", "write <= accept")
 
 
 def frame_check(twin):
@@ -34,17 +32,15 @@ def frame_check(twin):
         (f"place < {twin.inputs}",),
         stored=" || store" * twin.results,
         kinds=f"does not have {twin.inputs} samples or that begins while another is computed",
-        # A frame of one sample is never too short.
-        wrong=(
+        faults=(
             (r"in_valid && busy && \(!dropping\)", "in_valid && busy"),
-            *([(r"complete != in_last", "complete && !in_last")] if twin.inputs > 1 else []),
-        ),
-        good=(
             (r"accept && complete && in_last", "accept && complete"),
             (r"\(!busy\) && \(!dropping\)", "(!busy)"),
             (r"rst == 1\) begin\s+running", "0) begin running"),
+            # A frame of one sample is never too short.
+            *([(r"complete != in_last", "complete && !in_last")] if twin.inputs > 1 else []),
+            *([STORED] if twin.results else []),
         ),
-        misplaced=MISPLACED if twin.results else MISPLACED[::2],
     )
 
 
@@ -75,30 +71,28 @@ def frame_guard(twin):
         stored=" || store",
         kinds="does not have the length that the image names, that begins while another is "
         "computed, or that has a clock with halt from its first sample to its last",
-        wrong=(
+        faults=(
             (r"in_valid && closed", "in_valid && closed && in_last"),
             (r"halt && \(in_valid \|\| started\)", "halt && in_valid"),
             (r"dropping <= 1'b1", "dropping <= 1'b0"),
             (r"complete != in_last", "complete && !in_last"),
-        ),
-        good=(
             (r"accept && complete && in_last", "accept && complete"),
             (r"closed \|\| halt \|\| dropping", "closed || dropping"),
             (r"closed \|\| halt \|\| dropping", "closed || halt"),
             (r"broken \|\| halt", "broken"),
+            STORED,
         ),
-        misplaced=MISPLACED,
         busy=("busy == computing", "!(start && halt)"),
     )
 
 
-def judged(twin, watch, assumes, helps, *, stored, kinds, wrong, good, misplaced, busy=()):
-    """The properties of both, which say all that they do.
+def judged(twin, watch, assumes, helps, *, stored, kinds, faults, busy=()):
+    """The property of both, which says all that they do.
 
     watch: Says with ``ends_here`` which sample of a frame is the last one.
     stored: Whether a result is stored, behind the samples.
     kinds: Which frames are wrong.
-    wrong, good, misplaced: Broken copies that refute the properties, in their order.
+    faults: Broken copies, besides those in which operands of both get wrong addresses.
     busy: What else holds while a frame is computed.
     """
     top, waits = (1 << twin.addr_width) - 1, twin.pipeline.run - 1
@@ -126,10 +120,20 @@ def judged(twin, watch, assumes, helps, *, stored, kinds, wrong, good, misplaced
             end
         end
         {ago("good_ago", "is_good", 1)}
+        {ago("wrong_ago", "is_wrong", 1)}
+        {ago("wrote_ago", f"(fits{stored})", 1)}
         // The program starts, and it runs until finish.
         wire opens_now = {"good_ago" if waits else "is_good"};
         reg going = 0;
         always @(posedge clk) going <= !rst && (opens_now || (going && !finish));
+        // Operands of this frame before this clock; where one of a clock ago belongs.
+        reg [{twin.addr_width - 1}:0] operands = 0;
+        reg [{twin.addr_width - 1}:0] expected;
+        always @(posedge clk) begin
+            expected <= operands;
+            if (fits{stored}) operands <= operands + 1;
+            if (rst || finish || is_wrong && !computing || halt) operands <= 0;
+        end
     """
     begun = ("running == computing", "going == computing")
     if waits:
@@ -138,72 +142,48 @@ def judged(twin, watch, assumes, helps, *, stored, kinds, wrong, good, misplaced
             "start == good_ago && waiting == good_ago",
             "computing == (going || good_ago) && !(going && good_ago)",
         )
-    helps = (
-        *begun,
-        *helps,
-        "dropping == spoiled",
-        "!spoiled || inside",
-        "!computing || (place == 0 && !inside) || spoiled",
-        "!(spoiled || computing || !inside) || place == 0",
-        "!inside || spoiled || place != 0",
-        f"computing || addr == ((place + {top}) & {top})",
-    )
-    common = {"assumes": assumes, "helps": helps}
     return [
         Property(
-            name="frame_error",
+            name="good frames only",
             sentence=f"frame_error is high for exactly one clock for each frame that {kinds}. It "
-            "comes one clock after what breaks the frame.",
-            states=("frame_error == wrong_ago[0]",),
-            watch=watch + ago("wrong_ago", "is_wrong", 1),
+            "comes one clock after what breaks the frame. "
+            f"The program starts {'one clock after' if waits else 'with'} the last sample "
+            "of a good frame, and in no other clock. It runs until the last output leaves or a "
+            "reset comes. Each sample that is taken, and each result, is written to the operand "
+            "memory one clock later. The first of a frame goes to address 0, and each other goes "
+            f"behind the one before. A sample that breaks its frame may go to {top}.",
+            states=(
+                "frame_error == wrong_ago",
+                "start == opens_now",
+                "run == going",
+                *busy,
+                "write == wrote_ago",
+                f"!write || write_addr == expected || (wrong_ago && write_addr == {top})",
+            ),
+            assumes=assumes,
+            watch=watch,
+            helps=(
+                *begun,
+                *helps,
+                "dropping == spoiled",
+                "!spoiled || inside",
+                "!computing || (place == 0 && !inside) || spoiled",
+                "!(spoiled || computing || !inside) || place == 0",
+                "!inside || spoiled || place != 0",
+                f"computing || addr == ((place + {top}) & {top})",
+                f"addr == ((operands + {top}) & {top})",
+                "!write || expected == addr || wrong_ago",
+            ),
             reached=(
-                *("frame_error", "spoiled && in_valid"),
+                *("frame_error", "spoiled && in_valid", "start", "run && in_valid"),
+                "write && write_addr == 3" if stored else "write",
                 *(("inside && halt && !spoiled",) if busy else ()),
             ),
-            refuted_by=wrong,
-            **common,
-        ),
-        Property(
-            name="good frames only",
-            sentence=f"The program starts {'one clock after' if waits else 'with'} the last sample "
-            "of a good frame, and in no other clock. It runs until the last output leaves or a "
-            "reset comes.",
-            states=("start == opens_now", "run == going", *busy),
-            watch=watch,
-            reached=("start", "run && in_valid"),
-            refuted_by=good,
-            **common,
-        ),
-        Property(
-            name="operands in order",
-            sentence="Each sample that is taken, and each result, is written to the operand memory "
-            "one clock later. The first of a frame goes to address 0, and each other goes behind "
-            f"the one before. A sample that breaks its frame may go to {top}.",
-            states=(
-                "write == wrote_ago[0]",
-                f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",
-            ),
-            watch=watch
-            + ago("wrote_ago", f"(fits{stored})", 1)
-            + ago("broke_ago", "is_wrong", 1)
-            + f"""
-                // Operands of this frame before this clock; where one of a clock ago belongs.
-                reg [{twin.addr_width - 1}:0] operands = 0;
-                reg [{twin.addr_width - 1}:0] expected;
-                always @(posedge clk) begin
-                    expected <= operands;
-                    if (fits{stored}) operands <= operands + 1;
-                    if (rst || finish || is_wrong && !computing || halt) operands <= 0;
-                end
-            """,
-            reached=("write && write_addr == 3",) if stored else ("write",),
-            refuted_by=misplaced,
-            assumes=assumes,
-            helps=(
-                *helps,
-                f"addr == ((operands + {top}) & {top})",
-                "!write || expected == addr || broke_ago[0]",
+            refuted_by=(
+                *faults,
+                (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
+                (r"finish \|\| broken", "finish"),
             ),
             whole=True,
-        ),
+        )
     ]

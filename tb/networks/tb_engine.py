@@ -26,25 +26,20 @@ from tb.common.stimulus import random_resets, spread
 from tb.common.watch import busy_of, frames_computed
 from tb.engine.frame_proof import frame_check, frame_guard
 from tb.engine.image_proof import image_loader
-from tb.networks import engine_parts_proof as parts
 
 CASES = cases(
     *("engines", "lanes", "layered", "tables", "learned", "reloaded", "reloaded-lanes"),
 )
 # The first case and this one have one lane, with one memory for all; here is a layer of ReLU and
-# one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
-# add is in lane_round alone, whose properties are proved of these.
+# one of tanh. Then come several lanes with a table, and with ReLU and none.
 ALSO = ("steep-engine", "rails-lanes", "relu-lanes")
 # Several lanes read their steps from a part that one lane does not have.
 COMPARED = ("rails-lanes",)
-# The first case has a layer of tanh on one lane. Then come several layers with ReLU; tanh on three
-# lanes, and ReLU on eight without a table; tables of several functions and of a single one;
-# quantised networks, and registers behind the memories; and programs that are loaded, into one lane
-# and into several.
-PROVED = (
-    *("steep-engine", "rails-lanes", "relu-lanes", "tables-lanes", "bell-lanes", "exact-lanes"),
-    *("floor-lanes", "deep-engine", "rails-reload", "rails-lanes-reload"),
-)
+# Several layers; three lanes; registers behind the memories; and programs that are loaded, into one
+# lane and into several.
+PROVED = ("steep-engine", "rails-lanes", "deep-engine", "rails-reload", "rails-lanes-reload")
+# The proof for every frame shows what the program and the lanes compute.
+SHOWN_BY_FRAMES = ("lane_accumulate", "lane_memory", "lane_round", "program_memory")
 # The runner gives these to the bench. They have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
@@ -286,10 +281,4 @@ OF_PARTS = {
     "frame_check": frame_check,
     "frame_guard": frame_guard,
     "image_loader": image_loader,
-    "lane_accumulate": parts.lane_accumulate,
-    "lane_memory": parts.lane_memory,
-    "lane_round": parts.lane_round,
-    "operand_memory": parts.operand_memory,
-    "program_memory": parts.program_memory,
-    "program_ram": parts.program_ram,
 }

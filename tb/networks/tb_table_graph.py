@@ -27,6 +27,7 @@ CASES = cases("table-graphs")
 # A network that finds its largest output.
 PROVED = ("argmax-tables",)
 COMPARED = PROVED
+SHOWN_BY_FRAMES = ("constant_matrix",)
 
 
 def every_code(bench):

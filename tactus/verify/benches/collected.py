@@ -67,8 +67,10 @@ def properties_of(job: Job) -> list[Property]:
     return _OF[job.block](job.twin) if job.block in _OF else []
 
 
-# Parts of which the proof for every frame shows all that they do.
-SHOWN = {name for module in BENCHES.values() for name in getattr(module, "SHOWN_BY_FRAMES", ())}
+def shown_by_frames(block: str) -> tuple[str, ...]:
+    """The parts of a block of which the proof for every frame shows all that they do."""
+    shown: tuple[str, ...] = getattr(BENCHES[block], "SHOWN_BY_FRAMES", ())
+    return shown
 
 
 def mutated_parts(twin: Block) -> list[str]:
@@ -79,7 +81,7 @@ def mutated_parts(twin: Block) -> list[str]:
     return [
         part.entity
         for part in parts_of(twin)
-        if part.block not in SHOWN
+        if part.block not in shown_by_frames(twin.block)
         and not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
     ]
 
