@@ -1,7 +1,7 @@
 """Quantised networks: read from ONNX, and the same on the engine to the last bit.
 
-The judges evaluate the graph node by node: ONNX's reference implementation, and for the operators
-of QONNX, which ONNX does not know, what stands here.
+The judge evaluates the graph node by node: ONNX's reference implementation, to which stands here
+what the operators of QONNX are.
 """
 
 import re
@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
+from onnx.reference.op_run import OpRun
 from test_network_files import QONNX, graph
 
 from golden.engine.neurons import graph_of
@@ -42,36 +43,33 @@ def quant(taken: str, parameters: str, given: str, **attributes):
     return helper.make_node("Quant", names, [given], f"my_{given}", domain=QONNX, **settings)
 
 
+class Quant(OpRun):
+    """The operator as QONNX defines it."""
+
+    op_domain = QONNX
+
+    def _run(self, x, scale, zero, bits, signed=1, narrow=0, rounding_mode="ROUND"):
+        low = narrow - 2 ** (bits - 1) if signed else 0
+        high = 2 ** (bits - 1) - 1 if signed else 2**bits - 1 - narrow
+        rounded = {
+            "ROUND": np.round,
+            "FLOOR": np.floor,
+            "HALF_UP": lambda v: np.sign(v) * np.floor(np.abs(v) + 0.5),
+        }[rounding_mode](x / scale + zero)
+        return ((np.clip(rounded, low, high) - zero) * scale,)
+
+
+class BipolarQuant(OpRun):
+    op_domain = QONNX
+
+    def _run(self, x, scale):
+        return (np.where(x >= 0, scale, -scale),)
+
+
 def node_by_node(path: Path, x: np.ndarray) -> np.ndarray:
     """What a graph with operators of QONNX gives, as their definitions say."""
-    held = onnx.load(str(path)).graph
-    values = {c.name: numpy_helper.to_array(c) for c in held.initializer} | {"x": x}
-    for node in held.node:
-        taken = [values[name] for name in node.input]
-        if node.op_type == "Quant":
-            attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
-            data, scale, zero, bits = taken
-            signed, narrow = attributes["signed"], attributes["narrow"]
-            low = (-(2 ** (bits - 1)) + narrow) if signed else 0
-            high = 2 ** (bits - 1) - 1 if signed else 2**bits - 1 - narrow
-            scaled = data / scale + zero
-            rounded = {
-                b"ROUND": np.round,
-                b"FLOOR": np.floor,
-                b"HALF_UP": lambda v: np.sign(v) * np.floor(np.abs(v) + 0.5),
-            }[attributes["rounding_mode"]](scaled)
-            given = (np.clip(rounded, low, high) - zero) * scale
-        elif node.op_type == "BipolarQuant":
-            given = np.where(taken[0] >= 0, taken[1], -taken[1])
-        elif node.op_type == "MatMul":
-            given = taken[0] @ taken[1]
-        elif node.op_type == "Add":
-            given = taken[0] + taken[1]
-        else:
-            assert node.op_type == "Relu"
-            given = np.maximum(taken[0], 0)
-        values[node.output[0]] = given
-    return values["y"]
+    (found,) = ReferenceEvaluator(str(path), new_ops=[Quant, BipolarQuant]).run(None, {"x": x})
+    return found
 
 
 @dataclass(frozen=True)
@@ -273,11 +271,6 @@ def test_a_network_of_bytes_is_exact_on_the_engine(tmp_path: Path, zero, seed: i
     assert len(np.unique(expected)) > 5
 
 
-def example(tmp_path: Path, **changed) -> Path:
-    """A small network of QONNX, some of whose settings are others."""
-    return Plan(**changed).save(tmp_path)
-
-
 def changed(path: Path, name: str, value) -> Path:
     """Another constant in a graph."""
     model = onnx.load(str(path))
@@ -314,7 +307,7 @@ def changed(path: Path, name: str, value) -> Path:
     ],
 )
 def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, message) -> None:
-    path = changed(example(tmp_path), name, value)
+    path = changed(Plan().save(tmp_path), name, value)
     if name == "b2_scale":
         changed(path, "b2_bits", 32.0)
         changed(path, "b2", [2.0**-40] * 3)
@@ -324,7 +317,7 @@ def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, m
 
 @pytest.mark.parametrize("name", ["my_wq1", "my_q1"])
 def test_a_rounding_that_no_quantiser_has_is_refused(tmp_path: Path, name: str) -> None:
-    path = example(tmp_path)
+    path = Plan().save(tmp_path)
     model = onnx.load(str(path))
     (node,) = (one for one in model.graph.node if one.name == name)
     (mode,) = (one for one in node.attribute if one.name == "rounding_mode")
@@ -335,7 +328,7 @@ def test_a_rounding_that_no_quantiser_has_is_refused(tmp_path: Path, name: str) 
 
 
 def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:
-    network = load_network(example(tmp_path, of_samples=True), (2, 0, 2))
+    network = load_network(Plan(of_samples=True).save(tmp_path), (2, 0, 2))
     write_network(tmp_path / "other.npz", network)
     found = load_network(tmp_path / "other.npz", (2, 0, 2))
     assert [x.quantiser for x in found.layers] == [x.quantiser for x in network.layers]
@@ -371,7 +364,7 @@ def scene_of(tmp_path: Path) -> Path:
 def test_a_quantised_network_in_a_scene(tmp_path: Path, of_samples: bool) -> None:
     """Every scale is a power of two. Readings are those of the file, before they become samples."""
     path = scene_of(tmp_path)
-    example(tmp_path, of_samples=of_samples)
+    Plan(of_samples=of_samples).save(tmp_path)
     path.write_text(re.sub("(?m)^(hidden = ).*", r"\g<1>0", path.read_text()))
     scene = load_scene(str(path))
     (held,) = scene.networks()
@@ -400,7 +393,7 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path, of_samples: bool) -> Non
 def test_the_nearest_network_and_how_many_codes_differ(tmp_path: Path, monkeypatch) -> None:
     """What is refused is accepted if the scene says so, and what it costs is counted."""
     path = scene_of(tmp_path)
-    example(tmp_path, bits=8)
+    Plan(bits=8).save(tmp_path)
     changed(changed(tmp_path / "net.onnx", "q1_scale", 0.0123), "q2_scale", 0.0456)
     with pytest.raises(InputError, match=r'layer 1: .* would be rounded.*quantised = "nearest"$'):
         load_scene(str(path)).twin()
@@ -431,7 +424,7 @@ def test_the_nearest_network_and_how_many_codes_differ(tmp_path: Path, monkeypat
 )
 def test_what_only_the_nearest_network_can_hold(tmp_path: Path, change: dict) -> None:
     """Other roundings of halves, too."""
-    path = example(tmp_path, shape=(2, 3, 2), signed=(True,), relu=(False,), zeros=(2,))
+    path = Plan(shape=(2, 3, 2), signed=(True,), relu=(False,), zeros=(2,)).save(tmp_path)
     first, last = load_network(path, (2, 0, 2)).layers
     first = replace(first, quantiser=replace(first.quantiser, **change))
     network = DenseNetwork((first, last))

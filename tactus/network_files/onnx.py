@@ -5,6 +5,7 @@ too, are folded into the layer that follows, or into the one before. Behind the 
 of a classifier may stand.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -89,6 +90,8 @@ ATTRIBUTES: dict[str, type] = {
     **dict.fromkeys(("offset", "scale"), list),
     "approximate": str,
 }
+# An operator may make so many constants, far more than any hardware has weights.
+MOST_NUMBERS = 10**7
 # What a Cast may make of numbers.
 FLOATS = ("FLOAT", "DOUBLE", "FLOAT16", "BFLOAT16")
 # These are old enough for every runtime in use, and new enough for every operator used here.
@@ -266,6 +269,13 @@ def _folded(
 ) -> dict[str, Any]:
     """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
     taken = {name: constants[name] for name in node.input if name}
+    if node.op_type == "Dropout" and any(np.any(taken[name]) for name in node.input[2:] if name):
+        raise chain.refuse(node, f"not supported: {RANDOM}")
+    if node.op_type in ("ConstantOfShape", "Expand", "Tile"):
+        # The last input has the sizes, or by what they are multiplied.
+        size = math.prod(np.ravel(taken[node.input[-1]]).tolist())
+        if size > MOST_NUMBERS:
+            raise chain.refuse(node, f"makes {size:g} numbers, expected {MOST_NUMBERS:g} at most")
     try:
         results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
         return dict(zip(node.output, results, strict=True))
