@@ -24,7 +24,7 @@ from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import SerialLine, open_line
 from tactus.monitor.monitor import Monitor, csv_columns
-from tactus.monitor.record import read_label, typed
+from tactus.monitor.record import typed
 from tactus.monitor.twin_board import TwinBoard, nearest_row
 from tactus.network_files.network_file import write_network
 from tactus.scene import Scene, load_scene
@@ -183,11 +183,9 @@ def test_an_input_that_ends_early_is_no_success(
 
 def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Path) -> None:
     """The board plays its recording, four rows for each placement."""
-    board, said = Board(hardware, hardware), []
+    board = Board(hardware, hardware)
     with GrowingCsv(tmp_path / "a.csv", [*hardware.sensors, "load"]) as file:
-        spread = recording.record(
-            TwinBoard(hardware), board, iter([("1",)]), file, 143, said.append
-        )
+        spread = recording.record(TwinBoard(hardware), board, iter([("1",)]), file, 143)
     codes = hardware.vectors().codes / 8192
     assert spread == pytest.approx(codes.std(axis=0))
     cells = (tmp_path / "a.csv").read_text().splitlines()[1].split(",")
@@ -205,12 +203,12 @@ def test_from_placements_to_a_network_on_the_board(tmp_path: Path, monkeypatch, 
     listed = tmp_path / "placements.csv"
     rows = [f"{load:g},{position:g}" for load, position, *_ in recorded.targets[::4]]
     listed.write_text("\n".join(["load,position", *rows, ""]))
-    names, placements = recording.labels_of(listed)
+    names, placements = recording.labels_of(listed, hardware, simulated=True)
     readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
     line = TwinBoard(hardware)
     with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
         source = recording.touched(names, placements, line)
-        recording.record(line, Board(hardware, hardware), source, file, 2, print)
+        recording.record(line, Board(hardware, hardware), source, file, 2)
     assert file.rows == len(rows)
     # The load in grams, which is outside of the codes.
     head, *lines = readings.read_text().splitlines()
@@ -309,8 +307,24 @@ def test_labels_are_recorded(path: Path, capfd) -> None:
         nearest_row(scene, {"gesture": "nix"})
 
 
-def test_what_is_typed_is_a_label() -> None:
-    lines, said = iter(["flat", "a,b", "long wave", ""]), []
-    found = list(typed(["gesture"], lambda _: next(lines), said.append, read_label))
-    assert found == [("flat",), ("long wave",)]
-    assert said[1] == "got 'a,b', expected one gesture, without a comma"
+@pytest.mark.parametrize(
+    ("names", "lines", "found", "refused"),
+    [
+        (["gesture"], ["flat", "long wave"], [("flat",), ("long wave",)], ()),
+        (["gesture"], ["a,b"], [], ["got 'a,b', expected one gesture, without a comma"]),
+        (["u", "v"], ["1 2", "3, -4e1"], [("1", "2"), ("3", "-4e1")], ()),
+        (["u", "v"], ["1"], [], ["got 1 values, expected 2: u, v"]),
+        (
+            ["u"],
+            ["nan", "x"],
+            [],
+            ["u: got 'nan', expected a number", "u: got 'x', expected a number"],
+        ),
+    ],
+)
+def test_what_is_typed_is_a_placement(monkeypatch, capsys, names, lines, found, refused) -> None:
+    typing = iter([*lines, ""])
+    monkeypatch.setattr("builtins.input", lambda _: next(typing))
+    assert list(typed(names, names == ["gesture"])) == found
+    _, *said = capsys.readouterr().out.splitlines()
+    assert said == list(refused)

@@ -1,14 +1,14 @@
 """``make record``: record readings at known placements, in the form that ``make scene`` takes."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from golden.input_error import InputError, suggest
-from golden.link.packets import Frame
 from golden.numbers.real import Real
 from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
@@ -32,37 +32,26 @@ def asked_for(scene: Scene) -> list[str]:
     return [scene.classes] if scene.labels else list(scene.outputs)
 
 
-def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[Placement]]:
-    """The names of the outputs, and the placement in each row of a CSV.
+def labels_of(path: Path, scene: Scene, simulated: bool) -> tuple[list[str], list[Placement]]:
+    """The names of the outputs, and the placement in each row of a file of labels.
 
-    A column holds numbers, or labels of which none is a number. Those whose names are in
-    ``numbers`` hold numbers.
-    """
-    table = read_csv_file(path)
-    placements = [tuple(cell.strip() for cell in row) for row in table.rows]
-    found = []
-    for place, name in enumerate(table.names):
-        column = table.column(name)
-        labels = len(column.odd) == len(placements) and all(row[place] for row in placements)
-        labels = labels and name not in numbers
-        if not labels and (text := column.fault(path)):
-            found.append(fault(text))
-    refuse(found)
-    return list(table.names), placements
+    A column holds numbers, or labels of which none is a number. An output of the scene holds
+    numbers.
 
-
-def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
-    """Refuse columns of a file of labels that cannot be outputs of the recording.
-
-    names: The names of the columns.
-    path: The file of labels.
     scene: The scene whose sensors are read.
     simulated: Whether the board is simulated. Such a board can only be touched at placements of its
         recording.
     """
-    found = []
-    known = asked_for(scene)
-    for number, name in enumerate(names, 1):
+    table, known, found = read_csv_file(path), asked_for(scene), []
+    placements = [tuple(cell.strip() for cell in row) for row in table.rows]
+    for place, name in enumerate(table.names):
+        column = table.column(name)
+        labels = len(column.odd) == len(placements) and all(row[place] for row in placements)
+        labels = labels and name not in scene.outputs
+        if not labels and (text := column.fault(path)):
+            found.append(fault(text))
+    refuse(found)
+    for number, name in enumerate(table.names, 1):
         if not name:
             found.append(fault(f"{path}: column {number} has no name, expected that of an output"))
         elif name in scene.sensors:
@@ -75,35 +64,26 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
             )
             found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, known)}"))
     refuse(found)
+    return list(table.names), placements
 
 
-def read_label(line: str, names: Sequence[str]) -> Placement:
-    """The label that was typed."""
-    if "," in line:
-        raise InputError(f"got {line!r}, expected one {names[0]}, without a comma")
-    return (line,)
-
-
-def read_placement(line: str, outputs: Sequence[str]) -> Placement:
-    """The values that were typed, separated by blanks or commas."""
-    cells = tuple(line.replace(",", " ").split())
+def read_placement(line: str, outputs: Sequence[str], labelled: bool) -> Placement:
+    """The label that was typed, or the values, separated by blanks or commas."""
+    if labelled and "," in line:
+        raise InputError(f"got {line!r}, expected one {outputs[0]}, without a comma")
+    cells = (line,) if labelled else tuple(line.replace(",", " ").split())
     if len(cells) != len(outputs):
         raise InputError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
     for name, cell in zip(outputs, cells, strict=True):
-        try:
-            good = math.isfinite(float(cell))
-        except ValueError:
-            good = False
-        if not good:
-            raise InputError(f"{name}: got {cell!r}, expected a number")
+        with suppress(ValueError):
+            if labelled or math.isfinite(float(cell)):
+                continue
+        raise InputError(f"{name}: got {cell!r}, expected a number")
     return cells
 
 
-# A line that is typed behind a prompt; None at the end of the input.
-Ask = Callable[[str], str | None]
-
-
 def asked(prompt: str) -> str | None:
+    """A line that is typed; None at the end of the input."""
     # Without any input there is a RuntimeError.
     try:
         return input(prompt)
@@ -111,30 +91,23 @@ def asked(prompt: str) -> str | None:
         return None
 
 
-def typed(
-    outputs: Sequence[str],
-    ask: Ask,
-    say: Callable[[str], None],
-    read: Callable[[str, Sequence[str]], Placement] = read_placement,
-) -> Iterator[Placement]:
+def typed(outputs: Sequence[str], labelled: bool) -> Iterator[Placement]:
     """The placements that are typed, until an empty line or the end of the input."""
-    say(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
-    while line := (ask("> ") or "").strip():
+    print(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
+    while line := (asked("> ") or "").strip():
         try:
-            placement = read(line, outputs)
+            placement = read_placement(line, outputs, labelled)
         except InputError as error:
-            say(str(error))
+            print(error)
             continue
         yield placement
 
 
-def listed(
-    outputs: Sequence[str], placements: Sequence[Placement], ask: Ask
-) -> Iterator[Placement]:
+def listed(outputs: Sequence[str], placements: Sequence[Placement]) -> Iterator[Placement]:
     """The placements of a list, each after the user has confirmed that it is there."""
     for number, placement in enumerate(placements, 1):
         told = ", ".join(f"{n} {cell}" for n, cell in zip(outputs, placement, strict=True))
-        if ask(f"{number} of {len(placements)}: {told}; Enter when it is there ") is None:
+        if asked(f"{number} of {len(placements)}: {told}; Enter when it is there ") is None:
             return
         yield placement
 
@@ -150,15 +123,10 @@ def touched(
 
 def gather(line: Line, board: Board, frames: int) -> Real:
     """The readings of the next frames, shape (frames, sensors)."""
-    found: list[Frame] = []
-    for frame in islice(frames_from(line, board), SETTLE + frames):
-        if "converter_error" in frame.flags:
-            raise InputError(
-                f"PORT={line.label}: converter_error: the converter is missing or stuck"
-            )
-        found.append(frame)
-    values = board.in_units(found[SETTLE:])
-    return values[:, : len(board.scene.sensors)]
+    found = list(islice(frames_from(line, board), SETTLE + frames))
+    if any("converter_error" in frame.flags for frame in found):
+        raise InputError(f"PORT={line.label}: converter_error: the converter is missing or stuck")
+    return board.in_units(found[SETTLE:])[:, : len(board.scene.sensors)]
 
 
 def record(
@@ -167,7 +135,6 @@ def record(
     placements: Iterator[Placement],
     csv: GrowingCsv,
     frames: int,
-    say: Callable[[str], None],
 ) -> Real:
     """Append a row for each placement: the means of its readings, and its values.
 
@@ -185,24 +152,8 @@ def record(
         csv.append([[*cells, *placement]])
         spreads.append(readings.var(axis=0))
         shown = ", ".join(f"{name} {cell}" for name, cell in zip(sensors, cells, strict=True))
-        say(f"{csv.rows}: {shown}")
+        print(f"{csv.rows}: {shown}")
     return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
-
-
-def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
-    """Refuse a recording that is shorter than was asked for.
-
-    listed: How many placements ``LABELS=`` has; 0 if placements are typed.
-    interrupted: Whether the user ended it with Ctrl-C. Then a shorter recording is what was wanted.
-    """
-    if not csv.rows:
-        why = "interrupted" if interrupted else "the input ended"
-        raise InputError(f"TO={csv.path}: not written: {why} before the first placement")
-    if csv.rows < listed and not interrupted:
-        raise InputError(
-            f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
-            "input ended before the others"
-        )
 
 
 def main() -> None:
@@ -217,8 +168,7 @@ def main() -> None:
         labels = Path(arguments.labels)
         if same_file(labels, to):
             raise InputError(f"TO={to}: is read by this command, expected another file")
-        outputs, placements = labels_of(labels, board.scene.outputs)
-        check_labels(outputs, labels, board.scene, arguments.port == TWIN)
+        outputs, placements = labels_of(labels, board.scene, arguments.port == TWIN)
     stop_if_dry_run(f"record readings from {arguments.port} into {to}")
     with (
         open_line(arguments.port, arguments.baud, board) as line,
@@ -226,14 +176,13 @@ def main() -> None:
     ):
         interrupted = False
         if placements is None:
-            read = read_label if board.scene.labels else read_placement
-            source = typed(outputs, asked, print, read)
+            source = typed(outputs, bool(board.scene.labels))
         elif isinstance(line, TwinBoard):
             source = touched(outputs, placements, line)
         else:
-            source = listed(outputs, placements, asked)
+            source = listed(outputs, placements)
         try:
-            spread = record(line, board, source, csv, arguments.frames, print)
+            spread = record(line, board, source, csv, arguments.frames)
         except KeyboardInterrupt:
             print()
             interrupted = True
@@ -250,4 +199,12 @@ def main() -> None:
                 f"of a mean of {arguments.frames} readings: "
                 f"{spread[worst] / arguments.frames**0.5:.2g}"
             )
-        check_rows(csv, len(placements or ()), interrupted)
+        if not csv.rows:
+            why = "interrupted" if interrupted else "the input ended"
+            raise InputError(f"TO={to}: not written: {why} before the first placement")
+        # A recording that Ctrl-C ended is as long as was wanted.
+        if placements and csv.rows < len(placements) and not interrupted:
+            raise InputError(
+                f"TO={to}: got {csv.rows} placements, expected {len(placements)}, those of "
+                "LABELS=: the input ended before the others"
+            )
