@@ -25,7 +25,6 @@ from tactus.train.splines.search import (
     function_network,
     measure,
     pruned,
-    refitted,
     train,
     trained,
 )
@@ -141,7 +140,7 @@ def test_a_descent_ends_lower_and_early() -> None:
 def test_a_law_is_learnt_and_pruned() -> None:
     """The functions of the input that tells nothing become flat, and the error stays."""
     training, validation, test = (curve(120, seed, 0.01) for seed in (1, 2, 3))
-    settings = SplineSettings(1, 4, 4, 1e-3)
+    settings = SplineSettings(1, 4, 1e-3)
     found = min(
         (
             trained(settings, np.random.default_rng(start), training, validation)
@@ -151,12 +150,12 @@ def test_a_law_is_learnt_and_pruned() -> None:
     )
     assert rms(found, test) < 0.03
     less = pruned(found, training, validation, rms)
-    assert less.edges.steps < found.edges.steps
+    assert less.edges.kinds.sum() < found.edges.kinds.sum()
     assert less.edges.first[0, 2] == FLAT
     assert rms(less, test) < 1.1 * rms(found, test)
     dear = pruned(found, training, validation, lambda model, rows: float(model is not found))
     assert dear is found
-    again = refitted(less, validation)
+    again = less.descended(less.edges, validation, validation)
     assert again.edges is less.edges
     assert rms(again, validation) < rms(less, validation)
 
@@ -238,7 +237,7 @@ def test_what_hardware_gets_is_what_was_trained(intervals: int) -> None:
     inputs = rng.uniform(-0.4, 0.6, (200, 3))
     target = (inputs[:, :1] ** 2 + 0.5 * inputs[:, 1:2]) * (0.4 + inputs[:, 2:])
     rows = Rows(inputs, target, np.ones_like(target))
-    learned = splines.trained(SplineSettings(2, intervals, 4, 0.01), rng, rows, rows)
+    learned = splines.trained(SplineSettings(2, intervals, 0.01), rng, rows, rows)
     learned = splines.pruned(learned, rows, rows, rms)
     network = function_network(learned, inputs, 0).layers()
     assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9
@@ -251,7 +250,7 @@ def test_sums_with_straight_functions_behind_them_become_one() -> None:
     inputs = rng.uniform(-0.4, 0.6, (200, 3))
     target = np.sin(3 * inputs[:, :1]) + inputs[:, 1:2] ** 2
     rows = Rows(inputs, target, np.ones_like(target))
-    learned = splines.trained(SplineSettings(4, 2, 4, 0.01), rng, rows, rows)
+    learned = splines.trained(SplineSettings(4, 2, 0.01), rng, rows, rows)
     edges = learned.edges
     edges = replace(edges, second=np.array([[STRAIGHT, CURVED, STRAIGHT, STRAIGHT]]))
     edges = replace(edges, first=np.where(np.eye(4, 3) > 0, FLAT, edges.first))
@@ -263,7 +262,7 @@ def test_sums_with_straight_functions_behind_them_become_one() -> None:
     assert np.abs(found.process(inputs) - learned.process(inputs)).max() < 1e-9
     assert splines.merged(found) is found
     # Trained further, it stays what it is: the function of the sum is straight.
-    assert np.abs(splines.refitted(found, rows).process(inputs) - target).max() < 0.2
+    assert np.abs(found.descended(found.edges, rows, rows).process(inputs) - target).max() < 0.2
 
 
 RINGS = """

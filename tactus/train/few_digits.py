@@ -1,8 +1,7 @@
 """Weights with few signed digits: ``training.digits`` of a scene.
 
 A product with a constant is a sum of as many shifted numbers as the constant has signed digits. So
-the size of hardware without multipliers depends on the digits of all weights together. The trained
-weights have more digits than their error requires.
+hardware without multipliers is as large as the digits of all weights together.
 
 The weights are rounded to few digits one after another, beginning with those where that costs
 least. After each one, all weights that are still free compensate for it, as in the optimal brain
@@ -15,27 +14,24 @@ anew. The digits of biases cost nothing, because adding a constant takes one add
 constant is.
 
 The error is that of the rows that train and of further frames between and just beyond these rows,
-for which the trained network is the teacher. Without these frames the refit would leave the network
-undetermined where there is no row. Each output is weighted by the inverse of the trained network's
-error on validation rows.
+where the trained network is the teacher, because no row determines the network there. Each output
+is weighted by the inverse of the trained network's error on validation rows.
 
-The outputs of a network for classes are logits, for which the data has no targets. There the error
-is the squared difference from the logits of the trained network. The cross-entropy would not do: at
-a network that is sure of its classes it is so flat that large changes of weights seem to cost
-nothing.
+The outputs of a network for classes are logits. There the error is the squared difference from the
+logits of the trained network. The cross-entropy would not do: at a network that is sure of its
+classes it is so flat that large changes of weights seem to cost nothing.
 
 A node of ReLU computes the same with weights twice as large in front of it and half as large behind
 it. So the Hessian says that one layer can make up for any change of the other, which is true only
 near the trained weights. For networks of named layers it is damped, so that large compensations
-cost something too. Such networks may be large, and the time grows with the cube of their size. Then
-fewer orders of the weights are tried, and several weights are rounded at once, for which all others
-compensate together. So the inverse is updated less often, which is most of the work.
+cost something too. Such networks may be large, and the time grows with the cube of their size. So
+fewer orders of the weights are tried, and several weights are rounded at once.
 """
 
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,16 +166,6 @@ class Rounding:
         """The unit of prices: the error of the trained network, but at least that of an LSB."""
         return max(self.objective.value(self.start), float(SIGNAL.to_real(1)) ** 2)
 
-    @property
-    def hold(self) -> float:
-        """How much the Hessian is damped from which compensations come."""
-        return HOLD if self.layered else DAMPING[0]
-
-    @property
-    def together(self) -> int:
-        """How many weights are rounded at once."""
-        return max(1, len(self.start) // ONE_BY_ONE) if self.layered else 1
-
     def rounded(self, count: int) -> Iterator[DenseNetwork]:
         """A network of ``count`` digits from each start; only the nearest if it has so few."""
         nearest = self.grid.rounded(self.start)
@@ -265,7 +251,7 @@ def refitted(aim: Rounding, vector: Real, free: NDArray[np.bool_]) -> tuple[Real
             break
         vector = moved
         value, gradient, whole = aim.objective.value_gradient_hessian(vector)
-    return vector, _damped(whole, at, aim.hold)
+    return vector, _damped(whole, at, HOLD if aim.layered else DAMPING[0])
 
 
 def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
@@ -284,6 +270,7 @@ def priced(aim: Rounding, price: float, rng: np.random.Generator) -> Real:
     grid, vector = aim.grid, aim.start.copy()
     free = np.ones(len(vector), dtype=bool)
     each = -(-int(grid.weights.sum()) // REFITS)
+    together = max(1, len(vector) // ONE_BY_ONE) if aim.layered else 1
     while (free & grid.weights).any():
         vector, hessian = refitted(aim, vector, free)
         at = np.flatnonzero(free)
@@ -297,7 +284,7 @@ def priced(aim: Rounding, price: float, rng: np.random.Generator) -> Real:
             numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
             moves = numbers * lsb[found] - targets
             costs = moves**2 / stiff * np.exp(SHUFFLE * rng.normal(size=len(found)))
-            best = found[np.argsort(costs, kind="stable")[: min(aim.together, many)]]
+            best = found[np.argsort(costs, kind="stable")[: min(together, many)]]
             # The inverse is updated for all of them at once; until then, ``along`` and ``rows``
             # hold what each of them changes.
             along, rows = np.zeros((len(at), len(best))), np.zeros((len(best), len(at)))
@@ -401,9 +388,7 @@ def selected(aim: Rounding) -> DenseNetwork:
     """The network with the digits that the scene asks for, selected by the validation rows."""
     settings, grid = aim.task.scene.training, aim.grid
 
-    def worst(network: DenseNetwork) -> float:
-        return growth(aim.task, aim.network, network)
-
+    worst = partial(growth, aim.task, aim.network)
     if isinstance(settings.digits, int):
         return min(aim.rounded(settings.digits), key=worst)
     best = grid.network(grid.rounded(aim.start))

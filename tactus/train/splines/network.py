@@ -125,18 +125,6 @@ class Edges:
         """What each edge is, in the order of the coefficients."""
         return np.concatenate([self.first.ravel(), self.second.ravel()])
 
-    @property
-    def steps(self) -> int:
-        """The steps of a network on an engine.
-
-        The intercepts of curved edges hold the bias of a sum. A sum without a curved edge takes a
-        step for its bias, unless nothing uses it.
-        """
-        used = _used(self.first, self.second)
-        first, second = self.first[used], self.second[:, used]
-        biases = sum(int((part != CURVED).all(axis=1).sum()) for part in (first, second))
-        return int(first.sum() + second.sum()) + biases
-
     def with_kind(self, number: int, kind: int) -> Edges:
         """The same edges, with another kind of one of them, counted as in ``kinds``."""
         kinds = self.kinds

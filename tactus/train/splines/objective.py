@@ -12,73 +12,22 @@ from tactus.train.objective import Watched
 from tactus.train.splines.network import SplineNetwork
 
 
-@dataclass(frozen=True)
-class WordErrors:
-    """The expected squared errors of the outputs that come from inexact words of the hidden sums.
-
-    In first order, the error of a word becomes that of an output times the slope of the function
-    between them. Errors of different words are independent, so the squares are added up.
-
-    part: The root mean square of the error of a word, as a part of the range that its sum has on
-        the rows.
-    spread, shape (rows, inputs * splines): The splines of the inputs of the rows.
-    scale, shape (rows, outputs): By what errors of the outputs are divided.
-    """
-
-    part: float
-    spread: Real
-    scale: Real
-
-    def value(self, network: SplineNetwork) -> float:
-        sums = network.sums(self.spread)
-        steep = self._weighted(network, network.hidden.at(sums)[1])
-        return float(((steep * np.ptp(sums, axis=0)) ** 2).sum())
-
-    def value_gradient_hessian(self, network: SplineNetwork) -> tuple[Real, Real]:
-        """Half the gradient of the value, and half its Hessian by Gauss and Newton.
-
-        The derivatives are those by all coefficients and biases, in the order of ``packed``.
-        """
-        sums = network.sums(self.spread)
-        _, slopes = network.hidden.at(sums)
-        ranges = np.ptp(sums, axis=0)
-        ends = self.spread[sums.argmax(axis=0)] - self.spread[sums.argmin(axis=0)]
-        steep = self._weighted(network, slopes)
-        bent = self._weighted(network, network.hidden.bends(sums)) * ranges
-        places = np.arange(len(network.packed()))
-        first = places[: network.first.size].reshape(len(ranges), -1)
-        second = places[network.first.size :][: network.second.size].reshape(network.second.shape)
-        gradient, hessian = np.zeros(len(places)), np.zeros((len(places),) * 2)
-        # A function of a hidden sum has to do with few coefficients.
-        for o, h in np.ndindex(second.shape[:2]):
-            errors = steep[:, o, h] * ranges[h]
-            by_first = bent[:, o, h, np.newaxis] * self.spread + np.outer(steep[:, o, h], ends[h])
-            by_second = slopes[:, h] * (self.part * ranges[h] / self.scale[:, o, np.newaxis])
-            jacobian = np.concatenate([by_first, by_second], axis=1)
-            own = np.concatenate([first[h], second[o, h]])
-            gradient[own] += jacobian.T @ errors
-            hessian[np.ix_(own, own)] += jacobian.T @ jacobian
-        return gradient, hessian
-
-    def _weighted(self, network: SplineNetwork, splines: Real) -> Real:
-        """Derivatives of the functions of the sums, shape (rows, outputs, hidden)."""
-        weight = self.part / self.scale
-        found = np.einsum("rhk,ohk,ro->roh", splines, network.second, weight, optimize=True)
-        return np.asarray(found)
-
-
 @dataclass
 class SplineObjective(Watched):
     """The loss of the outputs on the training rows, and penalties.
 
-    Where the words of hidden sums are not exact, the errors that come from them are added.
+    Where the words of hidden sums are not exact, the expected squared errors of the outputs that
+    come from them are added. In first order, the error of a word becomes that of an output times
+    the slope of the function between them. Errors of different words are independent, so the
+    squares are added up.
 
     bend: Factor of the squared second differences of the coefficients of each function, which keeps
         functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
     size: Factor of the squared coefficients.
     freedom, shape (coefficients, parameters): The coefficients are ``freedom @ parameters``; see
         ``Edges.freedom``.
-    word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
+    word_error: The root mean square of the error of the word of a hidden sum, as a part of the
+        range that the sum has on the rows.
     """
 
     bend: float
@@ -91,10 +40,6 @@ class SplineObjective(Watched):
     @cached_property
     def _spread(self) -> Real:
         return self.like.spread(self.training.inputs)
-
-    @cached_property
-    def _words(self) -> WordErrors:
-        return WordErrors(self.word_error, self._spread, self.training.scale)
 
     @cached_property
     def stiffness(self) -> Real:
@@ -122,7 +67,9 @@ class SplineObjective(Watched):
         errors = self.training.errors(network.from_sums(network.sums(self._spread)))
         found = float((errors**2).sum() + parameters @ self.stiffness @ parameters)
         if self.word_error:
-            found += self._words.value(network)
+            sums = network.sums(self._spread)
+            steep = self._by_words(network, network.hidden.at(sums)[1])
+            found += float(((steep * np.ptp(sums, axis=0)) ** 2).sum())
         self.note(found, parameters)
         return found
 
@@ -176,10 +123,44 @@ class SplineObjective(Watched):
                 if k < n:
                     hessian[np.ix_(other, own)] += block.T
         if self.word_error:
-            pushed, curved = self._words.value_gradient_hessian(network)
+            pushed, curved = self._word_errors(network)
             gradient += self.freedom.T @ pushed
             hessian += self.freedom.T @ curved @ self.freedom
         return self.value(parameters), gradient, hessian
+
+    def _word_errors(self, network: SplineNetwork) -> tuple[Real, Real]:
+        """Half the gradient of what errors of words add, and half its Hessian.
+
+        The derivatives are those by all coefficients and biases, in the order of ``packed``.
+        """
+        sums = network.sums(self._spread)
+        _, slopes = network.hidden.at(sums)
+        ranges = np.ptp(sums, axis=0)
+        ends = self._spread[sums.argmax(axis=0)] - self._spread[sums.argmin(axis=0)]
+        steep = self._by_words(network, slopes)
+        bent = self._by_words(network, network.hidden.bends(sums)) * ranges
+        places = np.arange(len(network.packed()))
+        first = places[: network.first.size].reshape(len(ranges), -1)
+        second = places[network.first.size :][: network.second.size].reshape(network.second.shape)
+        gradient, hessian = np.zeros(len(places)), np.zeros((len(places),) * 2)
+        # A function of a hidden sum has to do with few coefficients.
+        for o, h in np.ndindex(second.shape[:2]):
+            errors = steep[:, o, h] * ranges[h]
+            by_first = bent[:, o, h, np.newaxis] * self._spread + np.outer(steep[:, o, h], ends[h])
+            scale = self.training.scale[:, o, np.newaxis]
+            by_second = slopes[:, h] * (self.word_error * ranges[h] / scale)
+            jacobian = np.concatenate([by_first, by_second], axis=1)
+            own = np.concatenate([first[h], second[o, h]])
+            gradient[own] += jacobian.T @ errors
+            hessian[np.ix_(own, own)] += jacobian.T @ jacobian
+        return gradient, hessian
+
+    def _by_words(self, network: SplineNetwork, splines: Real) -> Real:
+        """Derivatives of scaled outputs by words, shape (rows, outputs, hidden)."""
+        weight = self.word_error / self.training.scale
+        return np.asarray(
+            np.einsum("rhk,ohk,ro->roh", splines, network.second, weight, optimize=True)
+        )
 
     def _values(self, values: Real) -> Iterator[Real]:
         """The derivatives of each output by its parameters, on every row."""

@@ -84,7 +84,7 @@ def train(task: Task, layers: tuple[int], number: int) -> Learned:
     if not scene.labels:
         inputs, design = task.training.inputs.shape[1], DESIGNS.get(scene.design, Design)
         word_error = design.word_error(inputs, scene.design_options)
-    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, word_error)
+    settings = SplineSettings(hidden, intervals, bend, *descent, word_error)
     return trained(settings, rng, task.training, task.validation)
 
 
@@ -101,17 +101,12 @@ def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
         return shift_biases(task, network, frames)
     # The functions have to fill the words of logits as the network is read. They are made again in
     # this measure, and the last layer has the weights for it.
-    scale = class_scale(task, network)
+    file, _ = as_read(task, network)
+    scale = task.scene.scales_as_read(file, task.number)[1][0]
     divided = learned.divided(scale.factor)
     network = function_network(divided, frames.inputs, earlier, products).layers()
     outputs = [scale] * network.shape[-1]
     return on_readings(network, [Scale()] * network.shape[0], outputs)
-
-
-def class_scale(task: Task, network: DenseNetwork) -> Scale:
-    """The scale of the logits of a network when it is read from its file."""
-    file, _ = as_read(task, network)
-    return task.scene.scales_as_read(file, task.number)[1][0]
 
 
 def measure(task: Task, layers: tuple[int], number: int) -> Result:
@@ -140,7 +135,7 @@ class Stages(search.Stages):
         networks: list[Any] = [as_layers(task, found, task.training)] * 3
         if self.scene.training.refit:
             networks[1:] = (
-                as_layers(seen, refitted(found, frames), frames)
+                as_layers(seen, found.descended(found.edges, frames, frames), frames)
                 for seen, frames in ((seen_more, seen_more.known), (seen_all, seen_all.every))
             )
         return networks
@@ -151,17 +146,15 @@ class SplineSettings:
     """The settings of one candidate.
 
     nodes: Hidden sums.
-    intervals, hidden_intervals: Of the splines of an input, and of a hidden sum. Where the first is
-        0, functions of inputs are straight.
+    intervals: Of the splines of an input; with 0, functions of inputs are straight.
     bend, size: See ``SplineObjective``; ``bend`` is for as many rows as train.
     steps, patience: The most evaluations of a descent, and how many points without a better one end
         it.
-    word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
+    word_error: The error of the word of a hidden sum as a part of its range.
     """
 
     nodes: int
     intervals: int
-    hidden_intervals: int
     bend: float
     size: float = SIZE
     steps: int = STEPS
@@ -217,17 +210,12 @@ def trained(
         for a, b in zip(low - margin, high + margin, strict=True)
     ]
     outputs = training.targets.shape[1]
-    network = starting(bases, settings.hidden_intervals, settings.nodes, outputs, rng)
+    network = starting(bases, HIDDEN_INTERVALS, settings.nodes, outputs, rng)
     edges = Edges.curved(network.shape)
     kind = CURVED if settings.intervals else STRAIGHT
     edges = replace(edges, first=np.tile(np.where(high > low, kind, FLAT), (settings.nodes, 1)))
     first = Learned(network, edges, settings, len(training.inputs))
     return first.descended(edges, training, validation)
-
-
-def refitted(learned: Learned, rows: Rows) -> Learned:
-    """Trained further on more rows, with the same edges."""
-    return learned.descended(learned.edges, rows, rows)
 
 
 def pruned(
@@ -339,7 +327,8 @@ def function_network(
             ]
         )
         offsets.append(constant - middle)
-        hidden.append(_moved(network.hidden, -middle))
+        ends = network.hidden.low - middle, network.hidden.high - middle
+        hidden.append(Basis(*ends, network.hidden.intervals))
     biases = network.biases.copy()
     second = []
     for o, (kinds, rows) in enumerate(zip(edges.second, network.second, strict=True)):
@@ -354,11 +343,6 @@ def function_network(
     return FunctionNetwork(
         first, second, biases.tolist(), scales, earlier, offsets, products=products
     )
-
-
-def _moved(basis: Basis, way: float) -> Basis:
-    """The splines of an input to which a number is added."""
-    return Basis(basis.low + way, basis.high + way, basis.intervals)
 
 
 def _reached(basis: Basis, coefficients: Real, x: Real) -> float:
