@@ -101,9 +101,7 @@ def _covered(distance: ArrayLike, half_width: ArrayLike) -> tuple[Real, Real, Re
 class Loads:
     """Loads on the beam in SI units. The arrays are broadcast.
 
-    mass: D in kg.
-    position: a in m, from the root to the middle of the load.
-    half_width: h in m.
+    mass, position, half_width: D in kg; a in m, from the root to the middle of the load; h in m.
     triangular: See ``mean_arm``.
     """
 

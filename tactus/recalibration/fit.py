@@ -20,7 +20,7 @@ correction.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -33,14 +33,12 @@ from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_an
 LEAST_SPAN = 2.0**-13
 
 
-@dataclass(frozen=True)
-class Fit:
+class Fit(NamedTuple):
     """The knowledge of the drift after some placements.
 
     theta, shape (2 sensors,): The most likely drift; see ``Sensitivity``.
     root, shape (2 sensors, 2 sensors): The uncertainty of the drift as a lower triangle L of the
-        covariance L L^T. Unlike a rounded covariance it is never negative, however much the
-        placements tell of some directions and however little of others.
+        covariance L L^T, which is never negative, as a rounded covariance could be.
     """
 
     theta: Real
@@ -50,28 +48,22 @@ class Fit:
 def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
     """Estimate how far the sensors have drifted.
 
-    start, shape (2 sensors,): Where the descent starts. By default there are two descents, and the
-        better result is used. One starts from no correction, the other from the correction that
-        brings the readings next to those recorded at the nearest placement. The first alone could
-        end in another minimum.
+    start, shape (2 sensors,): Where the descent starts. By default the better of two is used: from
+        no correction, which alone could end in another minimum, and from the one that brings the
+        readings next to those recorded at the nearest placement.
     """
     scene, samples = recorded.scene, placements.inputs
     roots = np.linalg.cholesky(recorded.spread(placements))
     white = np.linalg.inv(roots) * (100 / placements.scale)[:, np.newaxis]
     count = 2 * samples.shape[1]
 
-    @lru_cache(maxsize=1)
-    def both(theta: bytes) -> tuple[Real, Real]:
-        """Outputs and slopes together, because a descent asks for both at the same point."""
-        return outputs_and_slopes(scene, recorded.moved(samples, np.frombuffer(theta)))
-
     def errors(theta: Real) -> Real:
-        outputs, _ = both(theta.tobytes())
+        outputs, _ = outputs_and_slopes(scene, recorded.moved(samples, theta))
         misses = np.einsum("rop,rp->ro", white, outputs - placements.targets)
         return np.concatenate([misses.ravel(), theta])
 
     def derivatives(theta: Real) -> Real:
-        _, slopes = both(theta.tobytes())
+        _, slopes = outputs_and_slopes(scene, recorded.moved(samples, theta))
         found = (white @ recorded.by_theta(slopes, samples)).reshape(-1, count)
         return np.concatenate([found, np.eye(count)])
 

@@ -22,6 +22,7 @@ the outputs for them.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -116,22 +117,12 @@ def planned(recorded: Sensitivity, root: Real) -> Outlook:
 
 
 def _expected(recorded: Sensitivity, squares: Real, covariance: Real) -> Real:
-    """Root mean square errors of the outputs.
-
-    squares: Mean squares of the errors at the most likely drift.
-    covariance: That of the drift around it.
-    """
+    """Root mean square errors, from mean squares at the likeliest drift and its covariance."""
     return np.asarray(np.sqrt(squares + np.einsum("oij,ij->o", recorded.squares, covariance)))
 
 
 def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
-    """The probabilities that corrections improve all outputs together, and each output.
-
-    thetas: shape (corrections, 2 sensors).
-    root, shape (2 sensors, 2 sensors): ``Fit.root``.
-
-    Returns: shape (corrections, 1 + outputs).
-    """
+    """``Outlook.chances`` of corrections, shape (corrections, 2 sensors), with ``Fit.root``."""
     each = recorded.squares
     reach = thetas @ np.concatenate([each.mean(axis=0)[np.newaxis], each])
     gain = np.einsum("ocj,cj->co", reach, thetas)
@@ -149,13 +140,8 @@ REPEATS = (1, 2, 4, 8, 16)
 MOST_CANDIDATES = 500
 
 
-@dataclass(frozen=True)
-class Proposed:
-    """A placement that is proposed.
-
-    row: Row of the recording, from 0.
-    expected: The expectation with this placement and those before it.
-    """
+class Proposed(NamedTuple):
+    """A row of the recording as a placement, and what is expected with it and those before it."""
 
     row: int
     expected: Outlook
@@ -195,9 +181,8 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
         yield Proposed(int(rows[best]), planned(recorded, root))
 
 
-@dataclass(frozen=True)
-class Plan:
-    """How many of the proposed placements ensure a gain, and how often to read each of them."""
+class Plan(NamedTuple):
+    """The proposed placements that ensure a gain, and how often to read each of them."""
 
     placements: Sequence[Proposed]
     times: int

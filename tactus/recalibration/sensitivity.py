@@ -71,9 +71,8 @@ class Sensitivity:
     def of(cls, scene: Scene, noise: Real, drift: Disturbance | None = None) -> Sensitivity:
         """The sensitivity of a scene.
 
-        noise, shape (sensors,): Standard deviation of one reading as a signal.
-        drift: Gain and offset of the expected drift, in the unit of the readings. The default is
-            that of ``expected_drift``.
+        drift: Gain and offset of the expected drift, in the unit of the readings, in the place of
+            ``expected_drift``.
         """
         if drift is None:
             return cls(scene, *expected_drift(scene), noise)
@@ -92,10 +91,7 @@ class Sensitivity:
     def drifted(self, samples: Real, theta: Real, least_gain: float) -> Real:
         """Samples that the correction turns into these, which the sensors would give now.
 
-        samples: shape (rows, sensors).
-        theta: shape (2 sensors,).
-        least_gain: Lower limit for gains of the correction, whose inverse would otherwise have no
-            limit.
+        least_gain: Lower limit for gains of the correction, whose inverse would have no limit.
         """
         found = self.correction(theta)
         return signals(samples, [replace(s, factor=max(s.factor, least_gain)) for s in found])
@@ -133,10 +129,7 @@ class Sensitivity:
 
     @cached_property
     def tells(self) -> Real:
-        """Derivatives by ``theta`` of the errors of the recorded rows, in percent.
-
-        Shape (recorded rows, outputs, 2 sensors).
-        """
+        """``telling`` of the recorded rows."""
         return self.telling(self.recorded)
 
     @cached_property
@@ -146,14 +139,12 @@ class Sensitivity:
         A correction that is off by ``theta`` adds ``theta^T M theta`` to the mean square of the
         output's error over the recording.
         """
-        result: Real = np.einsum("roi,roj->oij", self.tells, self.tells, optimize=True)
-        return result / len(self.tells)
+        return np.asarray(
+            np.einsum("roi,roj->oij", self.tells, self.tells, optimize=True) / len(self.tells)
+        )
 
     def telling(self, placements: Placements) -> Real:
-        """Derivatives by ``theta`` of the errors of placements, in percent.
-
-        Shape (placements, outputs, 2 sensors).
-        """
+        """Derivatives by ``theta`` of the errors, in percent, (placements, outputs, 2 sensors)."""
         _, slopes = outputs_and_slopes(self.scene, placements.inputs)
         by_theta = self.by_theta(slopes, placements.inputs)
         return by_theta * (100 / placements.scale)[:, :, np.newaxis]
@@ -235,27 +226,18 @@ class Placements:
 
 
 def numbers_of(path: Path, columns: Sequence[str]) -> Real | None:
-    """The column ``placement`` of a CSV file.
-
-    It is None if there is no such column, or if a sensor or an output of the scene has this name.
-
-    path: Path of a file that has been read before; see ``read_table``.
-    columns: Columns of the scene.
-    """
+    """The column ``placement`` of a CSV file; None if it is missing or a column of the scene."""
     if COLUMN in columns or COLUMN not in read_csv_file(path).names:
         return None
     return read_table(path, [COLUMN])[:, 0]
 
 
 def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray[np.intp]]:
-    """Combine rows with the same number, which are readings of one placement.
+    """The placements, in the order in which they first occur, and the index of that of each row.
 
-    Rows with equal outputs are not combined, because something that is not an output may differ.
+    Rows with equal outputs may be two placements: what is not an output may differ.
 
-    numbers, shape (rows,): The number of each row; None if each row is a placement of its own.
-
-    Returns: The placements, in the order in which they first occur.
-    Returns, shape (rows,): The index of the placement of each row.
+    numbers, shape (rows,): Rows with the same number are one placement; None if all are different.
     """
     if numbers is None:
         numbers = np.arange(len(vectors.inputs), dtype=np.float64)
@@ -278,15 +260,12 @@ def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray
 
 
 def noise_of_repeats(vectors: Vectors, found: Placements, place: NDArray[np.intp]) -> Real | None:
-    """The standard deviation of one reading of each sensor, from placements read repeatedly.
+    """The standard deviation of one reading of each sensor as a signal, from repeats.
 
-    Equation: it is the root of the sum over all readings of the squared differences from the mean
-    of the placement, divided by the number of readings minus the number of placements.
+    Equation: the root of the sum of the squared differences from the mean of the placement, divided
+    by the degrees of freedom. With fewer than ``LEAST_FREE`` of these it is None.
 
     place, shape (rows,): See ``grouped``.
-
-    Returns, shape (sensors,): As signals; None if the number of readings minus that of placements
-        is below ``LEAST_FREE``.
     """
     free = len(place) - len(found)
     if free < LEAST_FREE:
