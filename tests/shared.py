@@ -113,7 +113,7 @@ class Shared:
         self.once(f"{scene.name} library", lambda: compile_vhdl(scene, self.build))
         return library(scene, self.build)
 
-    def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
+    def subject(self, block: str, case: str | None = None, simulator: str = "icarus") -> Job:
         """The entity that represents a block (``tactus.verify.sign_off.record``), on the shared
         exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)

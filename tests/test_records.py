@@ -78,9 +78,9 @@ def test_records_of_a_case_are_of_this_verilog(shared: Shared, name: str) -> Non
 @pytest.mark.parametrize("block", BENCHES)
 def test_records_of_a_block_are_of_this_source(shared: Shared, block: str) -> None:
     for case in equal.cases(block):
-        assert Pair(*(shared.subject(block, s, case) for s in ("icarus", "ghdl"))).stale() == []
+        assert Pair(*(shared.subject(block, case, s) for s in ("icarus", "ghdl"))).stale() == []
     if block in PROOFS:
-        planned = prove.entities(block, lambda block, case: shared.subject(block, case=case))
+        planned = prove.entities(block, shared.subject)
         assert prove.check_record(planned) == []
     runs = read_record(NETLIST, block)["runs"]
     again = f"run: {COMMANDS[NETLIST].format(block)}"
@@ -130,16 +130,9 @@ def test_a_record_of_some_tests_is_of_those() -> None:
 
 
 @pytest.fixture
-def export(shared: Shared) -> Callable[[str, str], Job]:
-    """A function from block and case to the first entity of the block, with a shared export."""
-
-    return lambda block, case: shared.subject(block, case=case)
-
-
-@pytest.fixture
-def rows(export: Callable[[str, str], Job]) -> Job:
+def rows(shared: Shared) -> Job:
     """A block with few registers."""
-    return prove.entities("output_controller", export)[0]
+    return prove.entities("output_controller", shared.subject)[0]
 
 
 def property_with(**changes: object) -> Property:
@@ -152,8 +145,8 @@ def proved(job: Job, item: Property) -> Answer:
 
 
 @pytest.mark.parametrize("block", PROOFS)
-def test_every_property_can_fail(export: Callable[[str, str], Job], block: str) -> None:
-    for job in prove.entities(block, export):
+def test_every_property_can_fail(shared: Shared, block: str) -> None:
+    for job in prove.entities(block, shared.subject):
         items = properties_of(job)
         assert len({item.name for item in items}) == len(items)
         assert all(item.refuted_by for item in items)
@@ -360,7 +353,7 @@ def pair(shared: Shared) -> Callable[[str], Pair]:
     """A function from a block to its pair of exports, which are made once in a run."""
 
     def both(block: str) -> Pair:
-        return Pair(shared.subject(block), shared.subject(block, "ghdl"))
+        return Pair(shared.subject(block), shared.subject(block, simulator="ghdl"))
 
     return both
 

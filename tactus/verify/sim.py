@@ -24,13 +24,12 @@ from tactus.verify.benches.kept_results import run_and_keep
 from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
 from tactus.verify.sign_off.netlist import (
-    NETLISTS_RUN_IN,
     chosen,
     mapped,
     on_cells_of,
     record,
 )
-from tactus.verify.sign_off.record import case_line, chosen_blocks
+from tactus.verify.sign_off.record import RUNS_IN, case_line, chosen_blocks
 
 
 def conclude(outcomes: list[Outcome]) -> int:
@@ -61,7 +60,7 @@ def main() -> int:
             raise InputError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
         return conclude(record(arguments.netlist, arguments.block))
     families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
-    simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
+    simulators = [RUNS_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
     for simulator in simulators:
         check_simulator(simulator)
     with TemporaryDirectory() as folder:

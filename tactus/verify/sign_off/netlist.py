@@ -36,6 +36,7 @@ from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_shown,
 from tactus.verify.sign_off.cell_models import models_for
 from tactus.verify.sign_off.record import (
     EVERY,
+    RUNS_IN,
     chosen_blocks,
     hold_recorded,
     record_name,
@@ -55,15 +56,14 @@ ROUTED = "ecp5"
 ICE40 = "ice40"
 CELLS = {**FAMILIES, ICE40: "ice40"}
 ALL = "1"
-NETLISTS_RUN_IN = "icarus"
 MODELS = "models.v"
 
 
 def chosen(given: str, simulator: str | None = None) -> list[str]:
     """The netlists that ``NETLIST=`` asks for: of one family, of all, or unknown registers."""
-    if simulator not in (None, NETLISTS_RUN_IN):
+    if simulator not in (None, RUNS_IN):
         raise InputError(
-            f"SIM={simulator}: got NETLIST={given} too; netlists run in {NETLISTS_RUN_IN} alone"
+            f"SIM={simulator}: got NETLIST={given} too; netlists run in {RUNS_IN} alone"
         )
     if given == ALL:
         return list(FAMILIES)
@@ -183,15 +183,15 @@ def entities(blocks: Collection[str]) -> Iterator[tuple[Job, str]]:
     seen = set()
     for block in blocks:
         for case in recorded_cases(block).values():
-            job = played(subject(block, NETLISTS_RUN_IN, case=case))
+            job = played(subject(block, case))
             seen.add(verilog(job))
             yield job, job.entity
     for name in SCENES:
         scene = load_scene(name)
         if not any(part.block in blocks for part in walk(scene.twin())):
             continue
-        prepare(scene, NETLISTS_RUN_IN)
-        for job in jobs(scene, NETLISTS_RUN_IN):
+        prepare(scene, RUNS_IN)
+        for job in jobs(scene, RUNS_IN):
             if job.block in blocks and verilog(job) not in seen:
                 seen.add(verilog(job))
                 yield played(job), scene.twin().entity
@@ -285,5 +285,5 @@ def record(given: str, block: str | None) -> list[Outcome]:
 
 def record_unknowns(blocks: list[str]) -> list[Outcome]:
     """Run the benches of some blocks with unknown registers, and record what is compared."""
-    subjects = [played(job) for job in recorded_subjects(blocks, NETLISTS_RUN_IN).values()]
+    subjects = [played(job) for job in recorded_subjects(blocks).values()]
     return run_shown("unknown registers", subjects, record_unknown)

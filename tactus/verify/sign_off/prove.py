@@ -90,10 +90,6 @@ def _stated(job: Job, item: Property) -> dict[str, Any]:
     }
 
 
-def _exported(block: str, case: str) -> Job:
-    return subject(block, case=case)
-
-
 def settle(job: Job, item: Property) -> Result:
     inquiry = Inquiry(job, item)
     return Result(
@@ -110,7 +106,7 @@ def source_of(planned: list[Job]) -> str:
     return fingerprint([], *(digest(job.hdl_folder, job.files) for job in planned))
 
 
-def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[Job]:
+def entities(block: str, export: Callable[[str, str], Job] = subject) -> list[Job]:
     """The entities that stand for a block.
 
     They are its first entity in the first case of its bench, and in the cases that its proofs name
@@ -119,7 +115,8 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
     export: Makes the entity from block and case.
     """
     found = []
-    for job in (export(block, case) for case in cases(block)):
+    for case in cases(block):
+        job = export(block, case)
         first = {one.block: one for one in reversed(with_parts(job))}
         found += [job, *(one for one in with_parts(job)[1:] if one in first.values())]
     return [one for one in found if one.block == block or properties_of(one)]
@@ -134,12 +131,15 @@ def check_record(planned: list[Job]) -> list[str]:
     block = planned[0].block
     stale = of_another_source(KIND, block, source_of(planned))
     found = recorded(KIND, block)
-    properties = found.get("properties", [])
-    before = [{key: one[key] for key in one if key != "depth"} for one in properties]
-    here = [_stated(job, item) for job in planned for item in properties_of(job)]
-    if found and before != here:
-        stale.append(f"has other properties than {proof_file(block).name}")
-    return [f"{block}: the record of proofs {fault}; run: {PROVE.format(block)}" for fault in stale]
+    before = [
+        {key: one[key] for key in one if key != "depth"} for one in found.get("properties", [])
+    ]
+    if found and before != [_stated(job, item) for job in planned for item in properties_of(job)]:
+        stale.append(
+            f"{block}: the record of {KIND} has other properties than {proof_file(block).name}; "
+            f"run: {PROVE.format(block)}"
+        )
+    return stale
 
 
 def prove_blocks(blocks: list[str], record: bool) -> bool:

@@ -36,7 +36,7 @@ from tactus.verify.benches.runner import Job, Outcome, jobs, plan, prepare
 RUNS_IN = "icarus"
 
 
-def subject(block: str, simulator: str = RUNS_IN, case: str | None = None) -> Job:
+def subject(block: str, case: str | None = None, simulator: str = RUNS_IN) -> Job:
     """The first entity of a block in a case; without a case, in the first one of its bench."""
     chosen_blocks(block)
     return first(_case_jobs(case or CASES_OF[block][0], simulator), block)
@@ -76,10 +76,10 @@ def hold_recorded(blocks: Iterable[str]) -> AbstractContextManager[None]:
     return held(BUILD / case for block in blocks for case in recorded_cases(block).values())
 
 
-def recorded_subjects(blocks: list[str], simulator: str = RUNS_IN) -> dict[str, Job]:
+def recorded_subjects(blocks: list[str]) -> dict[str, Job]:
     """The entities that are recorded, by the names of the records."""
     return {
-        name: subject(block, simulator, case=case)
+        name: subject(block, case)
         for block in blocks
         for name, case in recorded_cases(block).items()
     }
@@ -259,9 +259,10 @@ def stale_records(outcome: Outcome) -> list[str]:
     return found
 
 
-def of_another_source(kind: str, block: str, now: str) -> list[str]:
-    """What is wrong with a record that is not of the source as it is now; nothing if it is."""
-    found = recorded(kind, block)
-    if not found:
-        return ["is missing"]
-    return [] if found["source"] == short(now) else ["is of another source"]
+def of_another_source(kind: str, name: str, now: str) -> list[str]:
+    """What is wrong with a record of proofs that is not of the source as it is now."""
+    found = recorded(kind, name)
+    if found and found["source"] == short(now):
+        return []
+    fault = "is of another source" if found else "is missing"
+    return [f"{name}: the record of {kind} {fault}; run: {PROVE.format(name.partition('.')[0])}"]
