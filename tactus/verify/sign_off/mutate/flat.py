@@ -66,14 +66,9 @@ class Flat:
                 number = int("".join(reversed(cell["connections"]["B"])), 2)
                 self.chosen[number] = cell["connections"]["Y"][0]
 
-    def outputs(self) -> dict[str, list[Bit]]:
-        """The bits of each output."""
-        return {n: p["bits"] for n, p in self.ports.items() if p["direction"] == "output"}
-
     def within_a_clock(self, number: int) -> Netlist:
         """A mutant's ``trigger``: an output or the next state differs, from whatever state."""
-        ends = [*self._output_ends({}), *self._state_ends()]
-        return self._product(number, ends, STATE, self._reached(self.chosen[number], STATE))
+        return self._product(number, self._ends({}, True), STATE, self._reached(number, STATE))
 
     def from_reset(self, number: int, masks: dict[str, str]) -> Netlist:
         """A mutant's ``trigger``: an output or the next state differs, as the sound netlist runs.
@@ -81,40 +76,32 @@ class Flat:
         That runs from a first clock of reset on. Where none ever differs, the mutant has the same
         states, so that what is behind the first registers takes no part.
         """
-        ends = [*self._output_ends(masks), *self._state_ends()]
-        product = self._product(number, ends, (), self._reached(self.chosen[number], STATE))
-        if "rst" in self.ports:
-            self._reset_first(product, counts=True)
-        return product
+        twice = self._reached(number, STATE)
+        product = self._product(number, self._ends(masks, True), (), twice)
+        return self._reset_first(product, counts=True)
 
     def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
         """A mutant's ``trigger``: an output differs, after a first clock of reset."""
-        ends = self._output_ends(masks)
-        product = self._product(number, ends, (), self._reached(self.chosen[number], ()))
-        if "rst" in self.ports:
-            self._reset_first(product, counts=False)
-        return product
+        product = self._product(number, self._ends(masks, False), (), self._reached(number, ()))
+        return self._reset_first(product, counts=False)
 
-    def _output_ends(self, masks: dict[str, str]) -> list[End]:
-        """By ``masks`` some outputs count only with a flag."""
-        outputs = self.outputs()
-        return [
+    def _ends(self, masks: dict[str, str], state: bool) -> list[End]:
+        """The outputs, of which some count only with a flag, by ``masks``; and, of the next
+        ``state``, the inputs of registers and memories, without register bits that nothing reads.
+        """
+        outputs = {n: p["bits"] for n, p in self.ports.items() if p["direction"] == "output"}
+        ends: list[End] = [
             (bits, outputs[masks[name]][0] if name in masks else None)
             for name, bits in outputs.items()
         ]
-
-    def _state_ends(self) -> list[End]:
-        """The inputs of registers and memories, without register bits that nothing reads."""
-        ends: list[End] = []
-        read = {*self.readers, *(bit for bits in self.outputs().values() for bit in bits)}
-        for cell in self.cells.values():
-            bits = bits_of(cell, "input")
+        read = {*self.readers, *(bit for bits in outputs.values() for bit in bits)}
+        for cell in self.cells.values() if state else ():
+            ports = cell["connections"]
             if cell["type"] == "$dff":
-                ports = cell["connections"]
                 pairs = zip(ports["D"], ports["Q"], strict=True)
-                bits = [*ports["CLK"], *(d for d, q in pairs if q in read)]
-            if cell["type"] in STATE:
-                ends.append((bits, None))
+                ends.append(([*ports["CLK"], *(d for d, q in pairs if q in read)], None))
+            elif cell["type"] in STATE:
+                ends.append((bits_of(cell, "input"), None))
         return ends
 
     def _product(
@@ -162,8 +149,10 @@ class Flat:
         }
         return {"attributes": {}, "ports": ports, "cells": cells, "netnames": {}}
 
-    def _reset_first(self, product: Netlist, counts: bool) -> None:
-        """In the first clock a product is reset; its trigger counts in it or not."""
+    def _reset_first(self, product: Netlist, counts: bool) -> Netlist:
+        """The product, reset in the first clock; its trigger counts in it or not."""
+        if "rst" not in self.ports:
+            return product
         clock, reset = (self.ports[name]["bits"] for name in ("clk", "rst"))
         cells, ports = product["cells"], product["ports"]
         found = ports["trigger"]["bits"]
@@ -184,11 +173,12 @@ class Flat:
         if not counts:
             cells["counts"] = _cell("$and", trigger, found, [started])
             ports["trigger"]["bits"] = [trigger]
+        return product
 
-    def _reached(self, control: Bit, shared: tuple[str, ...]) -> set[str]:
-        """The cells whose outputs may hang on a bit."""
+    def _reached(self, number: int, shared: tuple[str, ...]) -> set[str]:
+        """The cells whose outputs may hang on whether a mutant is chosen."""
         found: set[str] = set()
-        waiting = [control]
+        waiting = [self.chosen[number]]
         while waiting:
             for name in self.readers.get(waiting.pop(), []):
                 if name not in found and self.cells[name]["type"] not in shared:

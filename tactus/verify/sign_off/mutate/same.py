@@ -13,10 +13,8 @@ that is left open at once.
 
 import json
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 from tactus.synth.tools import run_tool
@@ -54,11 +52,7 @@ def proved(
     asked = [n for n, verdict in _within_a_clock(flat, folder).items() if verdict != SAME]
 
     def work(n: int) -> str:
-        if n in explained:
-            return OPEN
-        states = Question(f"states{n}", lambda: flat.from_reset(n, masks), folder)
-        outputs = Question(f"outputs{n}", lambda: flat.over_clocks(n, masks), folder)
-        return _over_clocks(states, outputs)
+        return OPEN if n in explained else _over_clocks(flat, n, masks, folder)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         answers |= zip(asked, pool.map(work, asked), strict=True)
@@ -77,44 +71,25 @@ def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:
     return dict(zip(numbers, verdicts, strict=True))
 
 
-@dataclass(frozen=True)
-class Question:
-    """Whether the trigger of a netlist can rise over clocks; the netlist is built when asked.
-
-    name: Of its files.
-    build: Gives the netlist.
-    """
-
-    name: str
-    build: Callable[[], Netlist]
-    folder: Path
-
-    @cached_property
-    def prepared(self) -> list[str] | None:
-        """The commands that make an AIG of it; None where it holds too much."""
-        product = self.build()
-        if stored_bits(product) > STORED:
-            return None
-        return _write(product, self.folder, self.name, STEPS)
-
-    def answer(self, seconds: int) -> str:
-        """What can be shown in so many seconds of processor time."""
-        if self.prepared is None:
-            return OPEN
-        work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
-        return ask([self.prepared], [self.name], work, self.folder, seconds)[0]
-
-
-def _over_clocks(states: Question, outputs: Question) -> str:
+def _over_clocks(flat: Flat, number: int, masks: dict[str, str], folder: Path) -> str:
     """What can be shown of one: that no state ever differs or, which alone is final, no output."""
-    left = [states, outputs]
+    products = {"states": flat.from_reset, "outputs": flat.over_clocks}
+    prepared: dict[str, list[str]] = {}
     for seconds in SECONDS:
-        for question in list(left):
-            verdict = question.answer(seconds)
-            if verdict == SAME or (verdict == OTHER and question is outputs):
+        for kind, product in list(products.items()):
+            name = f"{kind}{number}"
+            if kind not in prepared:
+                module = product(number, masks)
+                if stored_bits(module) > STORED:
+                    del products[kind]
+                    continue
+                prepared[kind] = _write(module, folder, name, STEPS)
+            work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
+            verdict = ask([prepared[kind]], [name], work, folder, seconds)[0]
+            if verdict == SAME or (verdict == OTHER and kind == "outputs"):
                 return verdict
             if verdict == OTHER:
-                left.remove(question)
+                del products[kind]
     return OPEN
 
 
