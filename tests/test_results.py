@@ -307,7 +307,7 @@ class Copy:
     @staticmethod
     def forget() -> None:
         """What one process asks only once."""
-        own = (kept_results._modules, kept_results._code, kept_results._reading)
+        own = (kept_results.bench_modules, kept_results._code, kept_results._reading)
         for cached in (closure.file_of, closure.code_of, closure.imported_by, *own):
             cached.cache_clear()
 

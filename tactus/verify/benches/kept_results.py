@@ -94,27 +94,19 @@ def _twin_parts(job: Job) -> dict[str, store.Part]:
 
 
 @cache
-def _modules(area: str, block: str) -> dict[str, Path]:
-    return closure([f"tb.{area}.tb_{block}"], _follow_from_bench)
-
-
 def bench_modules(area: str, block: str) -> dict[str, Path]:
     """The bench and all modules that it imports, without cases and properties."""
-    return dict(_modules(area, block))
 
+    def follow(importer: str, imported: str) -> bool:
+        return not ELSEWHERE.match(imported) and _follow(importer, imported)
 
-def _follow_from_bench(importer: str, imported: str) -> bool:
-    return not ELSEWHERE.match(imported) and _follow(importer, imported)
+    return closure([f"tb.{area}.tb_{block}"], follow)
 
 
 def _follow(importer: str, imported: str) -> bool:
     """Whether an import is followed: blocks that a scene or a registry imports are not."""
-    chooses = _is_scene(importer) or importer in REGISTRIES
+    chooses = f"{importer}.".startswith(f"{SCENE}.") or importer in REGISTRIES
     return not (chooses and imported.startswith(BLOCKS))
-
-
-def _is_scene(module: str) -> bool:
-    return module == SCENE or module.startswith(f"{SCENE}.")
 
 
 def asks_for_scene(modules: dict[str, Path]) -> bool:

@@ -47,7 +47,7 @@ from tactus.verify.sign_off.record import (
     verilog,
     write_record,
 )
-from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove, with_unknowns
+from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 
 # Yosys' name of each family, by the name that a user gives.
 FAMILIES = {"virtex-2": "xc2v", "series-7": "xc7", "ecp5": "ecp5"}
@@ -56,7 +56,6 @@ ROUTED = "ecp5"
 ICE40 = "ice40"
 CELLS = {**FAMILIES, ICE40: "ice40"}
 ALL = "1"
-MODELS = "models.v"
 
 
 def chosen(given: str, simulator: str | None = None) -> list[str]:
@@ -79,15 +78,26 @@ def chosen(given: str, simulator: str | None = None) -> list[str]:
 def on_cells(job: Job, family: str, top: str = "") -> Job:
     """The same bench on the netlist of a family, or on registers that are unknown.
 
+    The netlist, with the models of its cells, is written beside the exported files. Each entity has
+    a folder of its own, because a placed netlist is one module, and so is that of each part.
+
     job: A bench on exported Verilog.
     family: One of ``CELLS``, or ``UNKNOWN``.
     top: The entity that is mapped; the job's entity is a part of it. By default it is the job's
         entity itself, which is also the one that is placed.
     """
     if family == UNKNOWN:
-        return with_unknowns(job)
+        return Netlist(job).bench(job)
     found = cells_of(job, family, top)
-    return with_text(job, family, {f"{name}.v": text for name, text in found.items()})
+    files = {f"{name}.v": text for name, text in found.items()}
+    files["models.v"] = models_for(CELLS[family], "".join(found.values()))
+    changed = replace(job, form=family, files=tuple(f"{job.entity}/{name}" for name in files))
+    folder = changed.hdl_folder / job.entity
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        with replace_file(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    return changed
 
 
 def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
@@ -100,22 +110,6 @@ def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
         return {job.entity: ice40_netlist(job.hdl_folder, job.entity)}
     found = netlists(job.hdl_folder, top or job.entity, FAMILIES[family])
     return {name: found[name] for name in found if f"{name}.v" in job.files}
-
-
-def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
-    """The bench on a netlist with the models of its cells, written beside the exported files.
-
-    Each entity has a folder of its own, because a placed netlist is one module, and so is that of
-    each part.
-    """
-    changed = replace(job, form=family, files=tuple(f"{job.entity}/{name}" for name in files))
-    folder = changed.hdl_folder / job.entity
-    folder.mkdir(parents=True, exist_ok=True)
-    models = models_for(CELLS[family], "".join(files.values()))
-    for name, text in {**files, MODELS: models}.items():
-        with replace_file(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    return replace(changed, files=(*changed.files, f"{job.entity}/{MODELS}"))
 
 
 def mapped(
@@ -209,7 +203,8 @@ def record_netlists(blocks: Collection[str]) -> list[Outcome]:
         ThreadPoolExecutor(os.cpu_count()) as pool,
         Progress("simulating", len(asked), "netlists") as progress,
     ):
-        for (job, _, family), outcome in zip(asked, pool.map(_run, asked), strict=True):
+        ran = pool.map(lambda one: run_kept(on_cells(one[0], one[2], one[1])), asked)
+        for (job, _, family), outcome in zip(asked, ran, strict=True):
             tell(outcome, progress.say)
             progress.step(job.entity)
             outcomes.append(outcome)
@@ -229,11 +224,6 @@ def record_netlists(blocks: Collection[str]) -> list[Outcome]:
         if all(line["passed"] for line in lines):
             write_record(KIND, block, {"runs": lines})
     return outcomes
-
-
-def _run(asked: tuple[Job, str, str]) -> Outcome:
-    job, top, family = asked
-    return run_kept(on_cells(job, family, top))
 
 
 def record_unknown(job: Job) -> Outcome:
@@ -280,10 +270,7 @@ def record(given: str, block: str | None) -> list[Outcome]:
         )
     stop_if_dry_run(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     with hold_recorded(blocks):
-        return record_netlists(blocks) if every else record_unknowns(blocks)
-
-
-def record_unknowns(blocks: list[str]) -> list[Outcome]:
-    """Run the benches of some blocks with unknown registers, and record what is compared."""
-    subjects = [played(job) for job in recorded_subjects(blocks).values()]
-    return run_shown("unknown registers", subjects, record_unknown)
+        if every:
+            return record_netlists(blocks)
+        subjects = [played(job) for job in recorded_subjects(blocks).values()]
+        return run_shown("unknown registers", subjects, record_unknown)

@@ -175,11 +175,6 @@ class Netlist:
         return changed
 
 
-def with_unknowns(job: Job) -> Job:
-    """The same bench on a netlist with unknown registers."""
-    return Netlist(job).bench(job)
-
-
 # For each flag: how the names of the outputs begin that are its data.
 VALID = {"out_valid": "out_", "m_axis_tvalid": "m_axis_t"}
 # No pipeline has so many clocks. The bound is in clocks and not in seconds, so that it is the same
