@@ -112,6 +112,10 @@ def test_hardware_equals_twin(shared: Shared, block: str, case: str, request) ->
     assert len(outcomes) == len(simulators), f"tb_{block}.py: CASES: {case} has no {block}"
     check(outcomes)
     check_clocks(outcomes)
+    # A network of a user may never decide for a class; those of the cases decide for each.
+    for outcome in outcomes:
+        found = outcome.facts["coverage"]["ports"].get("winner_index", {})
+        assert all(found.values()), f"{block}: {case}: {found}"
 
 
 @pytest.mark.parametrize("scene", NETWORKS)

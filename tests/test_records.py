@@ -18,9 +18,11 @@ from golden.common.block import Block, walk
 from golden.common.border import Border, State
 from golden.common.port import Unsigned, input_port, output_port
 from golden.input_error import InputError
+from golden.layers.argmax import Argmax
 from golden.layers.weighted_sum import closest
 from golden.networks.parallel import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
+from golden.numbers.precision import SIGNAL
 from tactus.scene import DEFAULT_SCENES
 from tactus.verify import sim
 from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF, PROOFS, properties_of
@@ -249,7 +251,8 @@ class Counter(Block):
 
     @property
     def ports(self):
-        return (input_port("in_valid", ""), output_port("addr", "", Unsigned(2, last=2)))
+        winner = Argmax(SIGNAL, 3).result_ports("winner")[1]
+        return (input_port("in_valid", ""), output_port("addr", "", Unsigned(2, last=2)), winner)
 
     @property
     def unreachable(self) -> dict[str, str]:

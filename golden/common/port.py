@@ -36,6 +36,7 @@ class Port:
     meaning: Description in one line. For a group, ``*`` stands for the number of the port.
     kind: Format of the codes; None is a single bit.
     number: The port's number in its group.
+    by_weights: Whether the weights of a network decide which of its values occur.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Port:
     meaning: str
     kind: Fix | Unsigned | None = None
     number: int | None = None
+    by_weights: bool = False
 
     @property
     def width(self) -> int:

@@ -48,17 +48,26 @@ class Argmax(Block):
             input_port("in_valid", "`in_data` holds an output"),
             input_port("in_data", "output y, one after the other", self.fmt),
             input_port("in_last", "the output is the last of the frame"),
-            *self.result_ports("out"),
+            *self.result_ports("out", by_weights=False),
         )
 
-    def result_ports(self, name: str) -> tuple[Port, ...]:
-        """The ports of its results, whose names begin with ``name``."""
+    def result_ports(self, name: str, by_weights: bool = True) -> tuple[Port, ...]:
+        """The ports of its results, whose names begin with ``name``.
+
+        by_weights: Whether its outputs are those of a network, of which some may never be largest.
+        """
         return (
             output_port(
                 f"{name}_valid",
                 f"`{name}_index` and `{name}_margin` are those of a frame; high for one clock",
             ),
-            output_port(f"{name}_index", "number of the largest output, from 0", self.index_fmt),
+            Port(
+                f"{name}_index",
+                "out",
+                "number of the largest output, from 0",
+                self.index_fmt,
+                by_weights=by_weights,
+            ),
             output_port(
                 f"{name}_margin",
                 "how far the second largest output is below the largest",

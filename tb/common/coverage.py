@@ -77,8 +77,8 @@ def values_of(port: Port) -> list[int]:
 def missing(twin: Block, counts: Counts) -> list[str]:
     """What the twin names and no test reached, without what it declares unreachable.
 
-    Both ends of signed inputs must be reached. The ends of other wide ports depend on constants, so
-    they are counted but need not be reached.
+    Both ends of signed inputs must be reached. The ends of other wide ports depend on constants, as
+    the number of a network's largest output does, so they are counted but need not be reached.
     """
     found = []
     for border in twin.borders:
@@ -91,7 +91,7 @@ def missing(twin: Block, counts: Counts) -> list[str]:
         found += [f"state {name}: never {value}" for value, count in met.items() if not count]
     for port in twin.ports:
         ends = port.direction == "in" and port.signed
-        if port.name == "clk" or (port.width > SMALL and not ends):
+        if port.name == "clk" or port.by_weights or (port.width > SMALL and not ends):
             continue
         met = counts.get("ports", {}).get(port.name, {})
         found += [
