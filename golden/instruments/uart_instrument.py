@@ -13,7 +13,7 @@ from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.lesson_receiver import LessonReceiver
-from golden.link.packet_sender import PacketSender
+from golden.link.packet_sender import InTurn, PacketSender
 from golden.link.packets import image_packet
 from golden.link.uart import BYTE_BITS, UartReceiver, UartTransmitter
 from golden.networks.engine import Engine
@@ -190,32 +190,23 @@ class UartInstrument(ConverterInstrument):
     def pulse_density(self) -> PulseDensity:
         return PulseDensity(SIGNAL)
 
-    def slow_profile(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> Codes:
-        """Number, i_p and f of the point that leaves in each clock, shape (3, clocks).
+    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
+        """``dac_x`` and ``dac_y`` in each clock.
 
         profile: The columns of the ports ``profile_*``, by name.
         """
         names = ("profile_valid", "profile_x", "profile_y", "profile_last")
         columns = [np.asarray(profile[name]).tolist() for name in names]
-        shown = np.zeros((3, len(columns[0])), dtype=np.int64)
-        point, place, wanted, ended = (0, 0, 0), 0, 0, False
+        shown = np.zeros((2, len(columns[0])), dtype=np.int64)
+        point, ended = InTurn(self.packet_sender.points, codes=2), False
         for t, (valid, x, y, last, clears) in enumerate(
             zip(*columns, np.asarray(reset).tolist(), strict=True)
         ):
-            shown[:, t] = point
+            shown[:, t] = point.item[1:]
+            point.step(ended, valid, (x, y), valid and last)
+            ended = bool(last)
             if clears:
-                point, place, wanted, ended = (0, 0, 0), 0, 0, False
-                continue
-            following = (point[0] + 1) % self.packet_sender.points if ended else wanted
-            if valid and place == wanted:
-                point = (place, x, y)
-            place = (0 if last else place + 1) if valid else place
-            wanted, ended = following, bool(last)
-        return shown
-
-    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
-        """``dac_x`` and ``dac_y`` in each clock; see ``slow_profile``."""
-        _, *shown = self.slow_profile(profile, reset)
+                point, ended = InTurn(self.packet_sender.points, codes=2), False
         given_x, given_y = (self.pulse_density.process(codes, reset) for codes in shown)
         return given_x, given_y
 

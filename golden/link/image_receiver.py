@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
@@ -13,18 +13,6 @@ from golden.numbers.fixed import Codes
 
 # The states of a packet: waiting for SYNC, the kind, two bytes of the length, and the image.
 PLACES = 5
-
-
-@dataclass(frozen=True)
-class Loaded:
-    """The outputs in each clock, and what the block holds.
-
-    load_data: 0 in a clock without ``load_valid``, as ``load_last`` is too.
-    """
-
-    load_valid: NDArray[np.bool_]
-    load_data: Codes
-    load_last: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -64,18 +52,18 @@ class ImageReceiver(Block):
 
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, load_ready: ArrayLike, reset: ArrayLike
-    ) -> Loaded:
-        """The outputs in each clock; all arrays have one element for each clock."""
+    ) -> dict[str, Codes]:
+        """The outputs by name; all arrays have one element for each clock.
+
+        Where ``load_valid`` is 0 the others are 0 too.
+        """
         columns = [np.asarray(c).tolist() for c in (in_valid, in_data, load_ready, reset)]
-        count = len(columns[0])
-        valid, last = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-        data = np.zeros(count, dtype=np.int64)
+        found = np.zeros((3, len(columns[0])), dtype=np.int64)
         place = length = idle = 0
         kept: deque[tuple[int, bool]] = deque()
         for t, (comes, byte, ready, clears) in enumerate(zip(*columns, strict=True)):
             if kept:
-                valid[t] = True
-                data[t], last[t] = kept[0]
+                found[:, t] = True, *kept[0]
             if clears:
                 place = length = idle = 0
                 kept.clear()
@@ -93,7 +81,7 @@ class ImageReceiver(Block):
                 place, length = self._header(place, length, byte)
             elif over:
                 place = 0
-        return Loaded(valid, data, last)
+        return dict(zip(("load_valid", "load_data", "load_last"), found, strict=True))
 
     @staticmethod
     def _header(place: int, length: int, byte: int) -> tuple[int, int]:

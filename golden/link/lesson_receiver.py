@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Unsigned, input_port, output_port
@@ -15,25 +15,6 @@ from golden.numbers.precision import SIGNAL
 HEAD_BYTES = 4
 # Each code takes two bytes, and a place in a packet has at most 8 bits.
 MOST_CODES = 120
-
-
-@dataclass(frozen=True)
-class Taught:
-    """The outputs in each clock, and what the block holds.
-
-    target_data: 0 in a clock without ``target_valid``, as the two flags are too.
-    place: The number of the byte of a packet that is next, in each clock.
-    armed: Whether codes wait for the end of a frame.
-    """
-
-    target_valid: NDArray[np.bool_]
-    target_data: Codes
-    target_last: NDArray[np.bool_]
-    target_theta: NDArray[np.bool_]
-    learn: NDArray[np.bool_]
-    lesson_error: NDArray[np.bool_]
-    place: Codes
-    armed: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -99,32 +80,25 @@ class LessonReceiver(Block):
         frame_end: ArrayLike,
         target_ready: ArrayLike,
         reset: ArrayLike,
-    ) -> Taught:
-        """The outputs in each clock; all arrays have one element for each clock."""
+    ) -> dict[str, Codes]:
+        """The outputs by name; all arrays have one element for each clock.
+
+        Where ``target_valid`` is 0, so are the data and flags of the target.
+        """
         columns = [
             np.asarray(c).tolist() for c in (in_valid, in_data, frame_end, target_ready, reset)
         ]
-        count = len(columns[0])
-        flags = np.zeros((6, count), dtype=bool)
-        data, places = np.zeros((2, count), dtype=np.int64)
+        names = [port.name for port in self.ports if port.direction == "out"]
+        found = np.zeros((len(names), len(columns[0])), dtype=np.int64)
         state = _State(self)
         for t, (comes, byte, ends, ready, clears) in enumerate(zip(*columns, strict=True)):
-            places[t] = len(state.packet)
             if state.leaving:
-                data[t] = state.leaving[0]
-            flags[:, t] = (
-                bool(state.leaving),
-                len(state.leaving) == 1,
-                bool(state.leaving) and state.theta,
-                state.learn,
-                state.wrong,
-                bool(state.waiting),
-            )
+                found[:4, t] = True, state.leaving[0], len(state.leaving) == 1, state.theta
+            found[4:, t] = state.learn, state.wrong
             state.step(comes, byte, ends, ready)
             if clears:
                 state = _State(self)
-        valid, last, theta, learn, wrong, armed = flags
-        return Taught(valid, data, last, theta, learn, wrong, places, armed)
+        return dict(zip(names, found, strict=True))
 
 
 class _State:

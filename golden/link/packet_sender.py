@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
@@ -17,21 +17,6 @@ from golden.numbers.precision import SIGNAL
 MOST_POINTS = 256
 # A counter cannot go higher; see docs/new-block.md.
 MOST_PATIENCE = 1 << 30
-
-
-@dataclass(frozen=True)
-class Sending:
-    """The outputs in each clock, and the packets that are sent.
-
-    out_data: The byte in clocks in which ``out_valid`` is high; 0 in the others.
-    begins: The clocks in which packets begin.
-    frames: The contents of these packets.
-    """
-
-    out_valid: NDArray[np.bool_]
-    out_data: Codes
-    begins: list[int]
-    frames: list[Frame]
 
 
 @dataclass(frozen=True)
@@ -136,8 +121,8 @@ class PacketSender(Block):
 
     def process(
         self, columns: Mapping[str, ArrayLike], reset: ArrayLike, byte_clocks: int = 0
-    ) -> Sending:
-        """Compute what the block does in each clock.
+    ) -> tuple[Codes, Codes, list[Frame]]:
+        """``out_valid`` and ``out_data`` in each clock, and the contents of the packets.
 
         columns: For the name of each input except clock and reset, one element per clock. Data are
             used only in clocks in which their ``valid`` is high.
@@ -150,8 +135,7 @@ class PacketSender(Block):
         inputs = [np.asarray(columns[name]).tolist() for name in names]
         clears = np.asarray(reset).tolist()
         count = len(clears)
-        valid, data = np.zeros(count, dtype=bool), np.zeros(count, dtype=np.int64)
-        begins: list[int] = []
+        valid, data = np.zeros((2, count), dtype=np.int64)
         frames: list[Frame] = []
         # With a transmitter: the first clock in which it accepts the next byte.
         state, free = _State(self), 0
@@ -166,9 +150,27 @@ class PacketSender(Block):
             if clears[t]:
                 state, free = _State(self), t + 1
             elif frame is not None:
-                begins.append(t)
                 frames.append(frame)
-        return Sending(valid, data, begins, frames)
+        return valid, data, frames
+
+
+class InTurn:
+    """Of items that come over and over, one is shown, as it came last; then the next one is."""
+
+    def __init__(self, count: int, codes: int) -> None:
+        self.count = max(1, count)
+        # The number and the codes of the item that is shown.
+        self.item = (0,) * (1 + codes)
+        self.place = self.wanted = 0
+
+    def step(self, shown: bool, comes: object, codes: tuple[int, ...], restarts: object) -> None:
+        """Advance by one clock, in which the item was shown, one comes, or the next is number 0."""
+        wanted = self.wanted
+        if shown:
+            self.wanted = (self.item[0] + 1) % self.count
+        if comes and self.place == wanted:
+            self.item = (self.place, *codes)
+        self.place = 0 if restarts else self.place + bool(comes)
 
 
 class _State:
@@ -178,10 +180,9 @@ class _State:
         self.twin = twin
         self.samples = [0] * twin.inputs
         self.outputs = [0] * twin.outputs
-        self.at = {"sample": 0, "result": 0, "profile": 0, "theta": 0}
+        self.at = {"sample": 0, "result": 0}
         self.winner = (0, 0)
-        self.point, self.wanted = (0, 0, 0), 0
-        self.theta, self.asked = (0, 0), 0
+        self.point, self.theta = InTurn(twin.points, codes=2), InTurn(twin.elements, codes=1)
         # The flags that were set since the packet before, and whether a frame was refused since the
         # frame before.
         self.since = {name: False for name in FLAGS if name not in STATES}
@@ -194,7 +195,7 @@ class _State:
         """Advance by one clock; returns the frame of a packet that begins in it, or None."""
         for name in self.since:
             self.since[name] |= bool(now.get(name))
-        ready, wanted, asked = bool(now["out_ready"]), self.wanted, self.asked
+        ready = bool(now["out_ready"])
         free = ready and not self.packet
         begins = free and (self.complete or self.waited == self.twin.patience - 1)
         self.waited = self.waited + 1 if free and not begins else 0
@@ -203,8 +204,6 @@ class _State:
             self.packet = self.twin.layout.to_bytes(frame)
             self.number = (self.number + 1) % 256
             self.since = dict.fromkeys(self.since, False)
-            self.wanted = (self.point[0] + 1) % max(1, self.twin.points)
-            self.asked = (self.theta[0] + 1) % max(1, self.twin.elements)
         elif ready:
             self.packet = self.packet[1:]
         self.refused = not self.complete and (self.refused or bool(now.get("frame_error")))
@@ -215,19 +214,13 @@ class _State:
             if self.complete:
                 self.winner = (now["winner_index"], now["winner_margin"])
         self.count = (self.count + self.complete) % (1 << 8 * COUNT_BYTES)
-        if now.get("profile_valid"):
-            number = self.at["profile"]
-            if number == wanted:
-                self.point = (number, now["profile_x"], now["profile_y"])
-            self.at["profile"] = 0 if now["profile_last"] else number + 1
-        if now.get("theta_valid"):
-            number = self.at["theta"]
-            if number == asked:
-                self.theta = (number, now["theta_data"])
-            self.at["theta"] = number + 1
-        # The elements come behind a frame.
-        if now["result_valid"] and now["result_last"]:
-            self.at["theta"] = 0
+        if self.twin.points:
+            comes, codes = now["profile_valid"], (now["profile_x"], now["profile_y"])
+            self.point.step(begins, comes, codes, comes and now["profile_last"])
+        if self.twin.learns:
+            # The elements come behind a frame.
+            ends = now["result_valid"] and now["result_last"]
+            self.theta.step(begins, now["theta_valid"], (now["theta_data"],), ends)
         return frame
 
     def _frame(self, now: dict[str, int]) -> Frame:
@@ -239,9 +232,9 @@ class _State:
             self.count,
             tuple(self.samples),
             tuple(self.outputs),
-            self.point if self.twin.points else None,
+            self.point.item if self.twin.points else None,
             self.winner if self.twin.decides else None,
-            self.theta if self.twin.learns else None,
+            self.theta.item if self.twin.learns else None,
         )
 
     def _catch(self, now: dict[str, int], name: str, words: list[int]) -> bool:

@@ -155,7 +155,6 @@ def lesson_packet(codes: int, learn: bool, given: Sequence[int] = (), what: str 
     given: The codes of the known outputs of the next frame, or of theta; none if nothing is given.
     what: "known" or "theta".
     """
-    assert len(given) <= codes, f"got {len(given)} codes, expected {codes} at most"
     bits = learn << LESSON_BITS.index("learn") | bool(given) << LESSON_BITS.index(what)
     payload = pack(f">B{codes}h", bits, *given, *(0,) * (codes - len(given)))
     return _checked(bytes([kind_byte(LESSON), len(payload)]) + payload)

@@ -67,18 +67,6 @@ class UartTransmitter(Block):
 
 
 @dataclass(frozen=True)
-class Received:
-    """The outputs in each clock.
-
-    out_data: The byte in clocks in which ``out_valid`` is high; 0 in the others.
-    """
-
-    out_valid: NDArray[np.bool_]
-    out_data: Codes
-    line_error: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
 class UartReceiver(Block):
     """Receives bytes: a start bit, eight bits from the lowest, and a stop bit (ours).
 
@@ -124,12 +112,14 @@ class UartReceiver(Block):
         """Clocks from one start bit to the next, which may come once the stop bit is read."""
         return self.stop_clocks + 1
 
-    def process(self, rx: ArrayLike, reset: ArrayLike) -> Received:
-        """The outputs in each clock; all arrays have one element for each clock."""
+    def process(self, rx: ArrayLike, reset: ArrayLike) -> dict[str, Codes]:
+        """The outputs by name; all arrays have one element for each clock.
+
+        ``out_data`` is 0 where ``out_valid`` is.
+        """
         line, clears = np.asarray(rx).tolist(), np.asarray(reset).tolist()
         count = len(line)
-        valid, error = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-        data = np.zeros(count, dtype=np.int64)
+        valid, data, error = found = np.zeros((3, count), dtype=np.int64)
         # The levels of the line in the registers, its level one clock before, and the clock in
         # which the start bit began.
         late, before, began = [1] * self.synchroniser, 1, -1
@@ -154,4 +144,4 @@ class UartReceiver(Block):
                 began, bits = t, []
             before = now
             late = [line[t], *late[:-1]]
-        return Received(valid, data, error)
+        return dict(zip(("out_valid", "out_data", "line_error"), found, strict=True))

@@ -14,9 +14,9 @@ A result is returned only if both bounds agree on it.
 """
 
 from collections.abc import Sequence
+from decimal import Decimal, localcontext
 from fractions import Fraction
-from itertools import accumulate, count, repeat
-from math import floor
+from itertools import accumulate, repeat
 
 import numpy as np
 
@@ -86,13 +86,7 @@ def _decays(start: Fraction, step: Fraction, points: int) -> tuple[Sequence[int]
 def _decay(x: Fraction) -> int:
     """The floor of exp(-x) 2**BITS, for x above 0 and at most 1.
 
-    The terms of the series alternate in sign and decrease, so the exponential lies between two
-    successive partial sums.
+    The standard library defines each digit of these numbers; those behind BITS decide the floor.
     """
-    before, total, term = Fraction(0), Fraction(1), Fraction(1)
-    for n in count(1):
-        if floor(before * _ONE) == floor(total * _ONE):
-            break
-        term *= -x / n
-        before, total = total, total + term
-    return floor(total * _ONE)
+    with localcontext(prec=2 * BITS // 3):
+        return int((Decimal(-x.numerator) / x.denominator).exp() * _ONE)

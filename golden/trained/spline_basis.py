@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.input_error import InputError
-from golden.numbers.real import Real, checked
+from golden.numbers.real import Real
 
 DEGREE = 3
 
@@ -17,18 +16,11 @@ class Basis:
 
     A function is the sum of all splines, each times its coefficient. Coefficients on a straight
     line give a straight function.
-
-    intervals: 1 to 1000.
     """
 
     low: float
     high: float
     intervals: int
-
-    def __post_init__(self) -> None:
-        checked(intervals=(self.intervals, 1, 1000))
-        if not self.low < self.high:
-            raise InputError(f"low, high: got {self.low:g} and {self.high:g}, expected low < high")
 
     @property
     def count(self) -> int:

@@ -15,7 +15,7 @@ from golden.common.port import CLOCK, CLOCKED, Port, Unsigned, input_port, outpu
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, cut, requantise
 from golden.numbers.precision import SIGNAL
-from golden.numbers.real import Real, checked
+from golden.numbers.real import Real
 from golden.numbers.transcendental import exp_floors
 from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
@@ -33,6 +33,9 @@ T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
 
 ENDS = (("begins", "lowest"), ("ends", "highest"))
+
+# C times the coded width of the flexible digit: 2 divided by the width in units of the position.
+GAIN = 2 * Fraction(str(POSITION_MM)) / Fraction(str(WIDTH_MM))
 
 # One clock for the difference, and one for the magnitude.
 DISTANCE_CLOCKS = 2
@@ -229,7 +232,6 @@ class LoadProfile(Block):
     centre: C = gain / w.
 
     fmt: Format of the four inputs, of i_p and of f.
-    divider: For its gain see ``width_gain``.
     shape_threshold: Code of ``fmt``.
 
     A width of 0 or less, which a network can give for a load that it hardly sees, counts as the
@@ -338,18 +340,19 @@ class LoadProfile(Block):
         t = self.divider.process(distance, np.maximum(width, 0))
         return t, np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
 
-    def real(self, frames: ArrayLike) -> Real:
+    def real(self, frames: ArrayLike, positions: Real | None = None) -> Real:
         """Equation 3.18 in real arithmetic at the same codes, shape (..., points).
 
         frames: shape (..., 4).
+        positions, shape (points,): Coded positions; those of the ramp where there are none.
         """
         codes = np.asarray(frames, dtype=np.int64)[..., np.newaxis]
         load, centre, width = (self.fmt.to_real(codes[..., n, :]) for n in range(3))
         gain = self.divider.gain / 2**self.divider.gain_frac
         steepness = gain / np.maximum(width, self.fmt.to_real(1))
-        positions = self.fmt.to_real(self.ramp.process())
+        at = self.fmt.to_real(self.ramp.process()) if positions is None else positions
         triangle, rectangle = (
-            power_load(positions, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
+            power_load(at, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
         )
         return np.where(codes[..., 3, :] > self.shape_threshold, triangle, rectangle)
 
@@ -368,59 +371,30 @@ class LoadProfile(Block):
         )
 
 
-def power_load(
-    position: ArrayLike, load: ArrayLike, centre: ArrayLike, steepness: ArrayLike, power: int
-) -> Real:
-    """Equation 3.18 in floating point: d exp(-(C (i_p - i_m))**P).
+def power_load(position: Real, load: Real, centre: Real, steepness: Real, power: int) -> Real:
+    """Equation 3.18 in floating point: d exp(-(C (i_p - i_m))**P); the arguments are broadcast.
 
     The power is taken of the product, and not of C and of the distance separately as thesis section
     5.8 computes it, because C**P alone overflows for narrow loads. A power beyond the largest float
     becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
-
-    position, load, centre: i_p, d and i_m, all finite. The arguments are broadcast.
-    steepness: C, above 0: f falls to d / e at the distance 1 / C from the centre.
-    power: P, an even number: 2 for the pointed profile that stands for a triangle, 6 for the flat
-        one that stands for a rectangle. With an odd power f would grow without bound on one side.
     """
-    if power < 2 or power % 2:
-        raise InputError(f"power: got {power}, expected an even whole number, 2 or more")
-    most, least = np.finfo(np.float64).max, math.ulp(0.0)
-    p, d, c, s = checked(
-        position=(position, -most, most),
-        load=(load, -most, most),
-        centre=(centre, -most, most),
-        steepness=(steepness, least, most),
-    )
     with np.errstate(over="ignore", under="ignore"):
-        result: Real = d * np.exp(-((s * (p - c)) ** power))
-    return result
-
-
-def width_gain(position_unit: float | Fraction, width_unit: float | Fraction) -> Fraction:
-    """C times the coded width, which is 2 divided by the width in units of the coded position.
-
-    position_unit, width_unit: What the coded full scale of each is in millimetres, or both in any
-        other unit. For the flexible digit they are 127 and 50.8. There a width code is worth 0.4 of
-        a position code, and C = 5 / w.
-    """
-    return 2 * Fraction(str(position_unit)) / Fraction(str(width_unit))
+        return load * np.exp(-((steepness * (position - centre)) ** power))
 
 
 def load_profile(
     step: float = 0.05,
     stop: float = 0.8,
     start: float = 0.0,
-    gain: Fraction | None = None,
+    gain: Fraction = GAIN,
     shape_threshold: float = SHAPE_THRESHOLD,
     variant: str = "",
 ) -> LoadProfile:
     """The profile over ``start`` to ``stop`` in steps of ``step``; thesis section 5.8 by default.
 
-    step, stop, start: Steps and ends of the ramp.
-    gain: See ``width_gain``; by default that of the flexible digit.
+    gain: C times the coded width; see ``GAIN``.
     shape_threshold: Shapes above it are triangles.
     """
-    gain = width_gain(POSITION_MM, WIDTH_MM) if gain is None else gain
     if not 0 < gain < 1 << WORD:
         raise InputError(f"load_profile: gain={float(gain):g}, expected above 0, below {1 << WORD}")
     # The fewest fraction bits that hold the gain exactly; if there are none, as many as fit in 17

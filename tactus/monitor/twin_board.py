@@ -15,7 +15,7 @@ from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
 from golden.learning.gradient import Pupil
-from golden.link.lesson_receiver import LessonReceiver, Taught
+from golden.link.lesson_receiver import LessonReceiver
 from golden.link.packets import Frame, image_packet, lesson_packet
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
@@ -217,7 +217,7 @@ class TwinLessons:
         # What has come since the frame before, in each clock a byte or -1. A packet that stands for
         # all earlier ones comes first.
         self._received: list[int] = []
-        self._taught: Taught | None = None
+        self._taught: dict[str, Codes] | None = None
 
     @property
     def busy(self) -> bool:
@@ -231,7 +231,7 @@ class TwinLessons:
         ends = np.arange(len(column)) == len(self._received)
         none = np.zeros(len(column))
         self._taught = self._receiver.process(column >= 0, column, ends, none + 1, none)
-        self.learn = bool(self._taught.learn[-1])
+        self.learn = bool(self._taught["learn"][-1])
 
     def read(self, samples: Codes) -> None:
         """End a frame that was computed from these samples; known outputs that wait are kept.
@@ -243,12 +243,12 @@ class TwinLessons:
         if taught is None:
             return
         self._received = [*lesson_packet(self._receiver.codes, self.learn), -1]
-        codes = taught.target_data[taught.target_valid]
+        codes = taught["target_data"][taught["target_valid"] == 1]
         refused = len(codes) > 0 and np.isin(samples, (SIGNAL.low, SIGNAL.high)).any()
-        self._lesson_error |= bool(taught.lesson_error.any() or refused)
+        self._lesson_error |= bool(taught["lesson_error"].any() or refused)
         if refused or not len(codes):
             return
-        if taught.target_theta.any():
+        if taught["target_theta"].any():
             self.pupil.put(codes)
         else:
             self.pupil.keep(samples, codes)

@@ -14,7 +14,7 @@ from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
 from golden.trained.window import Window
-from golden.visualisation.load_profile import LoadProfile, load_profile, width_gain
+from golden.visualisation.load_profile import LoadProfile, load_profile
 from tactus.core.finding import Finding, fault, refuse
 from tactus.scene.scale import AUTO
 
@@ -212,7 +212,7 @@ def visualisation(scene: dict[str, Any], path: Path) -> Visualisation | None:
     refuse(found)
     drawn = {key: values[key] for key in ("start", "stop", "step", "shape_threshold")}
     try:
-        profile = load_profile(gain=width_gain(*units), **drawn)
+        profile = load_profile(gain=2 * units[0] / units[1], **drawn)
     except InputError as error:
         raise InputError(f"{path}: visualisation: {error}") from None
     first, second, third, fourth = (outputs.index(name) for name in names)

@@ -42,7 +42,7 @@ class Played:
 
     runs: For each network that ran, it and the numbers of its frames.
     ends: The clocks of the last samples.
-    sending: The packets of the twin.
+    frames: The contents of the twin's packets.
     met: How often each thing happened to an engine that learns.
     """
 
@@ -50,12 +50,12 @@ class Played:
     timeline: Any
     runs: list
     ends: np.ndarray
-    sending: Any
+    frames: list
     met: Counter = field(default_factory=Counter)
 
     @property
     def flags(self):
-        return {name for frame in self.sending.frames for name in frame.flags}
+        return {name for frame in self.frames for name in frame.flags}
 
 
 class Sender:
@@ -152,15 +152,15 @@ def loaded(bench, recording, samples, ends):
     last_out = np.isin(rows, recording.rows("out_last"))
     busy, settled = np.zeros(len(rows), dtype=bool), False
     while not settled:
-        bytes_ = twin.image_receiver.process(heard.out_valid, heard.out_data, ~busy, clears)
-        load = bytes_.load_valid, bytes_.load_data, bytes_.load_last
+        received = heard["out_valid"], heard["out_data"], ~busy, clears
+        load = tuple(twin.image_receiver.process(*received).values())
         valid, _, last = samples
         loading, guarded, runs = computed(twin.core, valid, last, load, busy, last_out, clears)
         settled, busy = (guarded.busy == busy).all(), guarded.busy
     flags = {
         "frame_error": guarded.frame_error,
         "image_error": loading.image_error,
-        "line_error": heard.line_error,
+        "line_error": heard["line_error"],
     }
     return flags, [(network, np.flatnonzero(np.isin(ends, done))) for network, done in runs]
 
@@ -179,18 +179,19 @@ def taught(bench, recording, samples):
     ready, ends = (np.zeros(len(rows), dtype=np.int64) for _ in range(2))
     names = ("in_valid", "in_data", "in_last")
     while True:
-        lesson = twin.lesson_receiver.process(heard.out_valid, heard.out_data, ends, ready, clears)
-        told = {name: getattr(lesson, name) for name in learning.INPUTS if hasattr(lesson, name)}
+        received = heard["out_valid"], heard["out_data"], ends, ready, clears
+        lesson = twin.lesson_receiver.process(*received)
+        told = {name: lesson[name] for name in learning.INPUTS if name in lesson}
         engine = learning.Timeline(twin.core.program)
         found = engine.play(dict(zip(names, samples, strict=True)) | told | {"rst": clears})
         if (found["target_ready"] == ready).all() and (found["out_last"] == ends).all():
             break
         ready, ends = found["target_ready"], found["out_last"]
     columns = {
-        "line_error": heard.line_error,
-        "lesson_error": lesson.lesson_error | (found["target_error"] == 1),
+        "line_error": heard["line_error"],
+        "lesson_error": lesson["lesson_error"] | (found["target_error"] == 1),
         "learn_error": found["learn_error"],
-        "learning": lesson.learn,
+        "learning": lesson["learn"],
         **{name: found[name] for name in ("theta_valid", "theta_data")},
     }
     left = np.flatnonzero(found["out_valid"])
@@ -229,16 +230,18 @@ def check_line(bench, recording, columns):
     """Check the bits of ``tx`` and what a receiver reads from them, and return the packets."""
     twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
     clears = recording.unsigned("rst", rows)
-    sending = twin.packet_sender.process(columns, clears, twin.uart_transmitter.interval)
-    _, tx = twin.uart_transmitter.process(sending.out_valid, sending.out_data, clears)
+    valid, sent, frames = twin.packet_sender.process(
+        columns, clears, twin.uart_transmitter.interval
+    )
+    _, tx = twin.uart_transmitter.process(valid, sent, clears)
     bench.compare("tx", recording.unsigned("tx", rows), tx, clock=rows)
     if not clears.any():
         heard = UartReceiver(twin.divisor).process(recording.unsigned("tx", rows), clears)
-        data = b"".join(twin.packet_sender.layout.to_bytes(frame) for frame in sending.frames)
-        got = heard.out_data[heard.out_valid]
+        data = b"".join(twin.packet_sender.layout.to_bytes(frame) for frame in frames)
+        got = heard["out_data"][heard["out_valid"] == 1]
         bench.compare("bytes", got, np.frombuffer(data, np.uint8)[: len(got)])
         assert len(got) >= len(data) - twin.packet_sender.layout.packet_bytes, "bytes are missing"
-    return sending
+    return frames
 
 
 async def check(bench, frames, resets, rx=None, fault=lambda number: None):
