@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +32,10 @@ HALF_UNIT = 2.0 ** -(SIGNAL.frac + 1)
 # Places of a sum at which a function is compared with a straight line.
 PLACES = 257
 
-# A spline of the input as in ``Function``, the slope of a straight edge, or None for none.
-Edge = tuple[float, ...] | float | None
+# A spline of the input as in ``Function``, or the slope of a straight edge.
+Curve = tuple[float, ...] | float
+# None for no edge.
+Edge = Curve | None
 
 
 @dataclass(frozen=True)
@@ -60,44 +63,32 @@ class FunctionNetwork:
     def layers(self) -> DenseNetwork:
         """The network as three layers."""
         inputs = len(self.first[0])
-        samples = inputs - self.earlier
-        copies = _Layer(inputs)
-        places: list[list[tuple[int, float]]] = [[] for _ in self.first]
+        copies: list[_Node] = []
         for h, (edges, scale) in enumerate(zip(self.first, self.scales, strict=True)):
             for i, edge in enumerate(edges):
-                if edge is None:
-                    continue
-                later = i >= samples
-                into = EARLIER_SCALE if later else SAMPLE_SCALE
-                shift = into * HALF_UNIT * later
-                row = np.zeros(inputs)
-                row[i] = into
-                copies.start(row, shift)
-                name = f"f{h + 1}_{i + 1}"
-                place, weight = copies.end(name, edge, into, shift, scale, LARGEST)
-                places[h].append((place, weight))
-        sums = _Layer(copies.nodes)
-        last = np.zeros((len(self.second), 0))
+                if edge is not None:
+                    later = i >= inputs - self.earlier
+                    into = EARLIER_SCALE if later else SAMPLE_SCALE
+                    shift = into * HALF_UNIT * later
+                    name = f"f{h + 1}_{i + 1}"
+                    looked_up = _looked_up(name, edge, into, shift, scale, LARGEST)
+                    copies.append(_Node(into * np.eye(inputs)[i], shift, h, *looked_up))
+        rows = _weights(copies, len(self.first))
+        sums: list[_Node] = []
         biases = np.array(self.biases, dtype=np.float64)
         for o, edges in enumerate(self.second):
             for h, edge in enumerate(edges):
-                if edge is None:
-                    continue
-                row = np.zeros(copies.nodes)
-                for place, weight in places[h]:
-                    row[place] = weight
-                scale = self.scales[h]
-                parts, constant = _parts(edge, scale) if self.products else ([edge], 0.0)
-                biases[o] += constant
-                for part in parts:
-                    sums.start(row, scale * self.offsets[h] if self.offsets else 0.0)
-                    name = f"g{o + 1}_{h + 1}"
-                    _, weight = sums.end(name, part, scale, 0.0, 1.0, LARGEST_OUTPUT)
-                    column = np.zeros((len(self.second), 1))
-                    column[o] = weight
-                    last = np.concatenate([last, column], axis=1)
-        output = Dense(last, biases)
-        return DenseNetwork((copies.dense(), sums.dense(), output))
+                if edge is not None:
+                    scale = self.scales[h]
+                    parts, constant = _parts(edge, scale, self.products)
+                    biases[o] += constant
+                    offset = scale * self.offsets[h] if self.offsets else 0.0
+                    for part in parts:
+                        name = f"g{o + 1}_{h + 1}"
+                        looked_up = _looked_up(name, part, scale, 0.0, 1.0, LARGEST_OUTPUT)
+                        sums.append(_Node(rows[h], offset, o, *looked_up))
+        output = Dense(_weights(sums, len(self.second)), biases)
+        return DenseNetwork((_layer(copies), _layer(sums), output))
 
 
 def of_parabolas(shape: Sequence[int], earlier: int) -> FunctionNetwork:
@@ -119,13 +110,13 @@ def _times(spline: Sequence[float], into: float, scale: float, largest: float) -
     return max(1, ceil(scale * max(most, steepest) / largest))
 
 
-def _parts(edge: Edge, scale: float) -> tuple[list[Edge], float]:
+def _parts(edge: Curve, scale: float, products: bool) -> tuple[list[Curve], float]:
     """What is added up for an edge of a hidden sum, and a constant.
 
     A function that is larger than a word is a straight line and what is left of it, where these
-    take fewer steps. Both go on as far as the word of the sum does.
+    take fewer steps and hardware multiplies. Both go on as far as the word of the sum does.
     """
-    if not isinstance(edge, tuple):
+    if not products or not isinstance(edge, tuple):
         return [edge], 0.0
     low, high, _, *coefficients = edge
     basis = Basis(low, high, len(coefficients) - DEGREE)
@@ -142,47 +133,43 @@ def _parts(edge: Edge, scale: float) -> tuple[list[Edge], float]:
     return [spline, slope], constant
 
 
-class _Layer:
-    """A layer to which one node after the other is added."""
+class _Node(NamedTuple):
+    """A node with a function; the next layer gives its node ``to`` the function by ``weight``."""
 
-    def __init__(self, inputs: int) -> None:
-        self.inputs = inputs
-        self.rows: list[Real] = []
-        self.biases: list[float] = []
-        self.functions: list[Function] = []
+    row: Real
+    bias: float
+    to: int
+    function: Function
+    weight: float
 
-    @property
-    def nodes(self) -> int:
-        return len(self.rows)
 
-    def start(self, row: Real, bias: float) -> None:
-        """Add the sum of a node."""
-        self.rows.append(row)
-        self.biases.append(bias)
+def _looked_up(
+    name: str, edge: Curve, into: float, shift: float, scale: float, most: float
+) -> tuple[Function, float]:
+    """The function of a node, and its weight in the next layer, which gets ``scale`` times it.
 
-    def end(
-        self, name: str, edge: Edge, into: float, shift: float, scale: float, largest: float
-    ) -> tuple[int, float]:
-        """Add the function of a node; return its place and the weight that the next layer gives it.
+    The node's sum is ``into`` times the edge's input, and ``shift`` more. A function whose values
+    or slopes do not stay within ``most`` is divided by a whole number, which becomes the weight.
+    """
+    if not isinstance(edge, tuple):
+        return ITSELF, scale * edge / into
+    low, high, *values = edge
+    parts = _times(edge, into, scale, most)
+    ends = into * low + shift, into * high + shift
+    spline = *ends, *(scale / parts * value for value in values)
+    return Function(name, spline=spline), float(parts)
 
-        The node's sum is ``into`` times the edge's input, and ``shift`` more. The next layer is to
-        get ``scale`` times the edge. A function whose values or slopes do not stay within
-        ``largest`` is divided by a whole number, which becomes the weight.
-        """
-        if isinstance(edge, tuple):
-            low, high, most, *coefficients = edge
-            parts = _times(edge, into, scale, largest)
-            ends = into * low + shift, into * high + shift
-            spline = *ends, *(scale / parts * value for value in (most, *coefficients))
-            self.functions.append(Function(name, spline=spline))
-            return self.nodes - 1, float(parts)
-        assert edge is not None
-        self.functions.append(ITSELF)
-        return self.nodes - 1, scale * edge / into
 
-    def dense(self) -> Dense:
-        """The layer."""
-        names = TABLE + ",".join(function.name for function in self.functions)
-        rows = np.array(self.rows).reshape(self.nodes, self.inputs)
-        biases = np.array(self.biases)
-        return Dense(rows, biases, names, functions=tuple(self.functions))
+def _weights(nodes: Sequence[_Node], count: int) -> Real:
+    """The weights of a layer of ``count`` nodes behind these."""
+    found = np.zeros((count, len(nodes)))
+    for place, node in enumerate(nodes):
+        found[node.to, place] = node.weight
+    return found
+
+
+def _layer(nodes: Sequence[_Node]) -> Dense:
+    functions = tuple(node.function for node in nodes)
+    names = TABLE + ",".join(function.name for function in functions)
+    rows, biases = np.array([node.row for node in nodes]), np.array([node.bias for node in nodes])
+    return Dense(rows, biases, names, functions=functions)
