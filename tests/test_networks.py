@@ -20,7 +20,6 @@ from golden.activation.precise import precise_for
 from golden.activation.segments import gradient_real
 from golden.common.block import around, walk
 from golden.input_error import InputError
-from golden.instruments.block_inputs import seen
 from golden.layers.argmax import Argmax, ArgmaxTree
 from golden.layers.constant_matrix import Finish
 from golden.layers.input_controller import InputController
@@ -45,6 +44,7 @@ from tactus.scene.vectors import error_scale
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of
 from tb.common.cases import random_mlp, random_network
+from tb.common.recorded_frames import seen
 
 
 def largest_means(scene, results):
