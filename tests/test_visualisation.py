@@ -82,10 +82,13 @@ def test_power_fold_is_the_power_saturated(power: int) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: ramp(SIGNAL, 0.05, 1.0), "the last position is 8192, expected at most 8191"),
+        (
+            lambda: ramp(SIGNAL, 0.05, 1.0),
+            "ramp: got positions from 0 to 8192",
+        ),
         (lambda: ramp(SIGNAL, 0.05, 0.82), "expected a whole number of steps"),
-        (lambda: ramp(SIGNAL, 0.5, 0.5, -1.5), "the first position is -12288, expected at least"),
-        (lambda: ramp(SIGNAL, 0.001, 0.5, -1.0), "1501 points with guard=17 need 31 bits"),
+        (lambda: ramp(SIGNAL, 0.5, 0.5, -1.5), "got positions from -12288 to 4096, expected"),
+        (lambda: ramp(SIGNAL, 0.001, 0.5, -1.0), "1501 points with guard=17, which take 31 bits"),
         (lambda: PROFILE.power_fold.process(5, 7), "power: got 7, expected 1 to 6"),
         (lambda: PROFILE.power_fold.process(1 << 17, 2), "power_fold data: got 131072"),
         (lambda: PROFILE.divider.process(-1, 5), "divider distance: got -1"),

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCKED, Port
-from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
 from golden.networks.network import Around, Network
@@ -29,17 +28,16 @@ class Scanned(Around):
         got, taken = (scan.inputs, scan.slots), (self.inputs, self.readout.input_controller.inputs)
         self.require(got == taken, f"a scan of (inputs, slots) {got}", str(taken))
         width, scan_clocks = scan.counter_width, scan.scan_clocks
-        if scan_clocks < self.readout.interval:
-            raise InputError(
-                f"{self.entity}: got counter_width={width}, a scan of {scan_clocks} clocks, "
-                f"expected {self.readout.interval} or more, which the network needs"
-            )
-        if left < self.readout.busy:
-            raise InputError(
-                f"{self.entity}: got counter_width={width}, a scan that leaves {left} "
-                f"clocks between two frames, expected {self.readout.busy} or more, in which the "
-                "network computes"
-            )
+        self.require(
+            scan_clocks >= self.readout.interval,
+            f"counter_width={width}, a scan of {scan_clocks} clocks",
+            f"{self.readout.interval} or more, which the network needs",
+        )
+        self.require(
+            left >= self.readout.busy,
+            f"counter_width={width}, a scan that leaves {left} clocks between two frames",
+            f"{self.readout.busy} or more, in which the network computes",
+        )
 
     @property
     def inside(self) -> Network:

@@ -41,17 +41,13 @@ class Readout(Around):
     def __post_init__(self) -> None:
         count = 0 if self.load_profile is None else 4
         chosen = set(self.results)
-        if len(chosen) != count or len(self.results) != count or chosen - set(range(self.outputs)):
-            raise InputError(
-                f"{self.entity}: got results {self.results}, expected "
-                + (
-                    f"four different numbers from 0 to {self.outputs - 1}"
-                    if count
-                    else "none without a load_profile"
-                )
-            )
-        if count and not self.holds:
-            raise InputError(f"{self.entity}: got holds=False with a load_profile, expected True")
+        four = f"four different numbers from 0 to {self.outputs - 1}"
+        self.require(
+            len(chosen) == len(self.results) == count and chosen <= set(range(self.outputs)),
+            f"results {self.results}",
+            four if count else "none without a load_profile",
+        )
+        self.require(self.holds or not count, "holds=False with a load_profile", "True")
         _ = self.argmax
 
     @property

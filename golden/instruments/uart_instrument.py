@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, input_port, output_port
-from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.lesson_receiver import LessonReceiver
@@ -84,22 +83,23 @@ class UartInstrument(ConverterInstrument):
     def __post_init__(self) -> None:
         super().__post_init__()
         left = self.converter_reader.scan_clocks - self.converter_reader.slots
-        if self.readout.output_clocks[-1] > left:
-            raise InputError(
-                f"{self.entity}: got a scan of {self.interval} clocks, expected "
-                f"{self.readout.output_clocks[-1] + self.converter_reader.slots} or more: outputs "
-                "leave before the next samples come"
-            )
-        if self.analogue and self.readout.load_profile is None:
-            raise InputError(f"{self.entity}: got analogue without a profile, expected one")
+        last = self.readout.output_clocks[-1]
+        self.require(
+            last <= left,
+            f"a scan of {self.interval} clocks",
+            f"{last + self.converter_reader.slots} or more: outputs leave before the next samples "
+            "come",
+        )
+        drawn = self.readout.load_profile is not None
+        self.require(drawn or not self.analogue, "analogue without a profile", "one")
         core = self.core
         if isinstance(core, LearningEngine):
             free = left - self.readout.busy
-            if free < core.longest_equation:
-                raise InputError(
-                    f"{self.entity}: got a scan that leaves {free} clocks in one piece, expected "
-                    f"{core.longest_equation} or more, which an equation takes"
-                )
+            self.require(
+                free >= core.longest_equation,
+                f"a scan that leaves {free} clocks in one piece",
+                f"{core.longest_equation} or more, which an equation takes",
+            )
         _ = self.parts()
 
     @property

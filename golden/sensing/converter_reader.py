@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.border import Border, State
 from golden.common.port import CLOCKED, Port, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
 from golden.sensing.scan_sequencer import COUNTER_WIDTHS, Scan
@@ -55,27 +54,27 @@ class ConverterReader(Scan):
 
     def __post_init__(self) -> None:
         part, at = self.part.name, f"{self.clock_mhz:g} MHz"
-        if not 1 <= self.inputs <= self.part.channels:
-            raise InputError(
-                f"{self.entity}: got {self.inputs} sensors, expected 1 to {self.part.channels}, "
-                f"the channels of {part}"
-            )
+        self.require(
+            1 <= self.inputs <= self.part.channels,
+            f"{self.inputs} sensors",
+            f"1 to {self.part.channels}, the channels of {part}",
+        )
         got = f"inputs={self.inputs} and slots={self.slots}"
         self.require(self.inputs <= self.slots, got, "inputs <= slots")
         slowest = Fraction(2 * self.part.slowest_khz, 1000)
-        if self.clock < slowest:
-            raise InputError(
-                f"{self.entity}: got clock_mhz={self.clock_mhz:g}, expected {float(slowest):g} or "
-                f"more, of which {part} gets half"
-            )
+        self.require(
+            self.clock >= slowest,
+            f"clock_mhz={self.clock_mhz:g}",
+            f"{float(slowest):g} or more, of which {part} gets half",
+        )
         turn = max(self.transfer_clocks + max(2, self.part.high_clocks(self.clock)), self.slots + 1)
         least = self.slot_width + (turn - 1).bit_length()
-        if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
-            raise InputError(
-                f"{self.entity}: got counter_width={self.counter_width}, expected {least} to "
-                f"{COUNTER_WIDTHS.stop - 1}: for each of {1 << self.slot_width} turns {part} needs "
-                f"{turn} clocks of {at}"
-            )
+        self.require(
+            self.counter_width in range(least, COUNTER_WIDTHS.stop),
+            f"counter_width={self.counter_width}",
+            f"{least} to {COUNTER_WIDTHS.stop - 1}: for each of {1 << self.slot_width} turns "
+            f"{part} needs {turn} clocks of {at}",
+        )
         self.check_pause()
 
     @property

@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, input_port, output_port
-from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.numbers.fixed import Codes, Fix
 from golden.trained.window import Window
@@ -44,12 +43,12 @@ class FrameWindow(Block):
     spacing: int
 
     def __post_init__(self) -> None:
-        if self.slots < 0 or self.interval < self.elements:
-            raise InputError(
-                f"{self.entity}: got slots={self.slots} and spacing={self.spacing}, expected 0 or "
-                f"more slots, and {self.elements} clocks or more from frame to frame, in which the "
-                "elements are sent"
-            )
+        self.require(
+            self.slots >= 0 and self.interval >= self.elements,
+            f"slots={self.slots} and spacing={self.spacing}",
+            f"0 or more slots, and {self.elements} clocks or more from frame to frame, in which "
+            "the elements are sent",
+        )
 
     @property
     def sensors(self) -> int:

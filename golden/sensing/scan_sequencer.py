@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 
 # A counter of 24 bits makes a scan of 0.26 s at 64 MHz, which is slower than any contact bounces.
@@ -84,13 +83,12 @@ class ScanSequencer(Scan):
     def __post_init__(self) -> None:
         got = f"inputs={self.inputs} and slots={self.slots}"
         self.require(1 <= self.inputs <= self.slots, got, "1 <= inputs <= slots")
-        least = self.slot_width + 1
-        if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
-            raise InputError(
-                f"{self.entity}: got counter_width={self.counter_width}, expected "
-                f"{max(least, COUNTER_WIDTHS.start)} to {COUNTER_WIDTHS.stop - 1} for "
-                f"{self.slots} slots"
-            )
+        least = max(COUNTER_WIDTHS.start, self.slot_width + 1)
+        self.require(
+            self.counter_width in range(least, COUNTER_WIDTHS.stop),
+            f"counter_width={self.counter_width}",
+            f"{least} to {COUNTER_WIDTHS.stop - 1} for {self.slots} slots",
+        )
         self.check(sample_clock=(1, self.slot_clocks - 1))
         self.check_pause()
 

@@ -155,18 +155,17 @@ class Ramp(Block):
 
     def __post_init__(self) -> None:
         self.check(points=(1, None), step=(1, None), guard=(1, None))
-        if self.acc_width > ACC_LIMIT:
-            raise InputError(
-                f"ramp: {self.points} points with guard={self.guard} need {self.acc_width} bits, "
-                f"expected at most {ACC_LIMIT}"
-            )
-        positions = self.process()
-        first, last = int(positions[0]), int(positions[-1])
-        if first < self.fmt.low or last > self.fmt.high:
-            raise InputError(
-                f"ramp: the first position is {first}, expected at least {self.fmt.low}; "
-                f"the last position is {last}, expected at most {self.fmt.high}"
-            )
+        self.require(
+            self.acc_width <= ACC_LIMIT,
+            f"{self.points} points with guard={self.guard}, which take {self.acc_width} bits",
+            f"{ACC_LIMIT} at most",
+        )
+        first, last = self.process()[[0, -1]]
+        self.require(
+            self.fmt.low <= first and last <= self.fmt.high,
+            f"positions from {first} to {last}",
+            f"{self.fmt.low} to {self.fmt.high}",
+        )
 
     @property
     def acc_low(self) -> int:
