@@ -209,12 +209,6 @@ MISMATCHES: list[tuple[str, str, Callable[[Any], dict[str, Any]], str]] = [
         r"got in_ends \(3, 2\), expected codes of .*, the least first",
     ),
     (
-        "digit-fast",
-        "bipartite_pair",
-        lambda b: {"activation": replace(b.activation, memory="logic")},
-        "got memory='logic', expected block_ram",
-    ),
-    (
         "swing-window",
         "windowed",
         lambda b: {"window": Window(b.window.delays[:-1])},
@@ -228,7 +222,6 @@ MISMATCHES: list[tuple[str, str, Callable[[Any], dict[str, Any]], str]] = [
 @pytest.mark.parametrize(
     ("made", "changed", "message"),
     [
-        (bipartite_for, {"memory": "flash"}, "memory='flash', expected one of block_ram, logic"),
         (
             bipartite_for,
             {"in_fmt": SIGNAL},

@@ -7,8 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.activation.bipartite import MEMORY, NODES, Bipartite, BipartitePair
-from golden.activation.bipartite_table import RESULT
+from golden.activation.bipartite import NODES, RESULT, Bipartite, BipartitePair
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Step, Wire
 from golden.engine.quantise import integer_networks
@@ -88,7 +87,6 @@ class AdderGraph(AtOnce):
         cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         options: dict[str, Any] = {**OPTIONS, **settings.options}
-        options |= {"memory": MEMORY, **settings.activation_options}
         chosen = MatrixOptions(**options, prefix=f"{variant}_" if variant else "")
         if len(networks) > 1 or networks[0].plain:
             if chosen.word_width:

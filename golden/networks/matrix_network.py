@@ -10,8 +10,8 @@ from functools import reduce
 from operator import or_
 from typing import Any
 
-from golden.activation.bipartite import NODES, Bipartite, bipartite_for
-from golden.activation.bipartite_table import RESULT as TANH_RESULT
+from golden.activation.bipartite import GROUP_WIDTH, NODES, Bipartite, bipartite_for
+from golden.activation.bipartite import RESULT as TANH_RESULT
 from golden.engine.formats import OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
@@ -37,7 +37,6 @@ class MatrixOptions:
 
     adders_per_clock: The most adders between two registers.
     adder_operands: The most operands of an adder; see ``ConstantMatrix``.
-    memory: Where the tables of tanh are stored; see ``Bipartite``.
     prefix: What the names of the matrices begin with.
     word_width: Bits of a word from layer to layer where no quantiser says how many there are, and
         no table; 0 for ``WORD_WIDTH``.
@@ -46,7 +45,6 @@ class MatrixOptions:
 
     adders_per_clock: int
     adder_operands: int
-    memory: str
     prefix: str = ""
     word_width: int = 0
     search_runs: int = 0
@@ -149,7 +147,7 @@ def tabled(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[Bip
     """The activations of nodes whose q have these bits; those that share tables have one width."""
     found = list(activations)
     for nodes in groups_of(activations, widths):
-        least = activations[nodes[0]].formats.group_width + 2
+        least = GROUP_WIDTH + 2
         width = max(least, *(widths[j] for j in nodes))
         for j in nodes:
             found[j] = activations[j].taking(width)
@@ -159,12 +157,11 @@ def tabled(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[Bip
 def groups_of(
     activations: Sequence[Bipartite], widths: Sequence[int]
 ) -> tuple[tuple[int, ...], ...]:
-    """The nodes that share their tables. In block RAM two nodes of similar width form a group."""
+    """The nodes that share their tables: two nodes of similar width."""
     if not activations:
         return ()
-    count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
-    return tuple(tuple(order[n : n + count]) for n in range(0, len(order), count))
+    return tuple(tuple(order[n : n + NODES]) for n in range(0, len(order), NODES))
 
 
 def _used(layers: Sequence[IntegerLayer]) -> list[list[int]]:
@@ -200,7 +197,7 @@ class _Step:
     @property
     def table(self) -> Bipartite:
         """The table of tanh for any q."""
-        return bipartite_for(EXACT, 1, EXACT.hidden_fmt.high, self.chosen.memory)
+        return bipartite_for(EXACT, 1, EXACT.hidden_fmt.high)
 
     @property
     def dropped(self) -> int:

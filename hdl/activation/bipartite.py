@@ -2,22 +2,33 @@
 
 from myhdl import always, always_comb, block, concat
 
-from golden.activation.bipartite import Bipartite
-from golden.activation.bipartite_table import FINE_WIDTH, MAGNITUDE_WIDTH, WIDER
+from golden.activation.bipartite import (
+    BASE_WIDTH,
+    FINE_WIDTH,
+    FRAC,
+    GROUP_WIDTH,
+    MAGNITUDE_WIDTH,
+    OFFSET_WIDTH,
+    SEGMENT_WIDTH,
+    WIDE_WIDTH,
+    WIDER,
+    Bipartite,
+    texts,
+)
 from hdl.common import ops
 from hdl.common.delay import delay
-from hdl.common.rom import Constants, rom
+from hdl.common.rom import Constants
 from hdl.common.signals import Stream, flag, signed, unsigned
 
 
 def memories(activation: Bipartite) -> tuple[Constants, Constants]:
     """The tables of bases and of corrections; any number of nodes can read them."""
-    fmt, bases, corrections = activation.formats, activation.bases, activation.corrections
+    bases, corrections = activation.bases, activation.corrections
     width = activation.table.correction_width
     codes = [word & (1 << width) - 1 for word in corrections]
     return (
-        Constants(bases, fmt.base_width, fmt.texts(bases)),
-        Constants(codes, width, fmt.texts(corrections)),
+        Constants(bases, BASE_WIDTH, texts(bases)),
+        Constants(codes, width, texts(corrections)),
     )
 
 
@@ -81,11 +92,10 @@ def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
 @block
 def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartite):
     """The addresses of base and correction, and ``negative``, the sign; all come a clock later."""
-    fmt = activation.formats
     sign = activation.in_fmt.width - 1
     width = min(activation.reach_width, FINE_WIDTH)
-    fine, wide, group = fmt.segment_width, fmt.wide_width, fmt.group_width
-    fine_end, wide_end = fine - fmt.offset_width, wide - fmt.offset_width + 1
+    fine, wide, group = SEGMENT_WIDTH, WIDE_WIDTH, GROUP_WIDTH
+    fine_end, wide_end = fine - OFFSET_WIDTH, wide - OFFSET_WIDTH + 1
     ones = (1 << width) - 1
     lower, mag = unsigned(width), unsigned(width)
 
@@ -113,7 +123,7 @@ def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartit
     upper = unsigned(min(activation.reach_width, MAGNITUDE_WIDTH) - FINE_WIDTH)
     most = (1 << len(upper)) - 1
     steps, switched = unsigned(WIDER), unsigned(WIDER)
-    offset = unsigned(fmt.offset_width)
+    offset = unsigned(OFFSET_WIDTH)
     is_wide = flag()
 
     @always_comb
@@ -193,134 +203,29 @@ def from_memories(
 
 
 @block
-def mirror(slope_addr, half_addr, falls, *, activation: Bipartite):
-    """The address of a correction's magnitude; ``falls`` tells that the correction is below 0.
-
-    An offset and its complement have the same magnitude, so they share an address.
-    """
-    width = activation.formats.offset_width - 1
-    above = width + 1
-    last = len(slope_addr) - 1
-    fine_ones = (1 << width) - 1
-    # From 2 on, the last bit does not belong to the offset.
-    wide_ones = fine_ones - activation.wide
-    offset, folded = unsigned(width), unsigned(width)
-
-    @always_comb
-    def look():
-        falls.next = not slope_addr[width]
-        offset.next = slope_addr[width:]
-
-    @always_comb
-    def fold():
-        if not falls:
-            folded.next = offset
-        elif slope_addr[last]:
-            folded.next = offset ^ wide_ones
-        else:
-            folded.next = offset ^ fine_ones
-
-    @always_comb
-    def address():
-        half_addr.next = concat(slope_addr[:above], folded)
-
-    return look, fold, address
-
-
-@block
-def masked(clk, addr, mask, addr_late):
-    """``addr_late`` is ``addr``, one clock later.
-
-    In its register the first bit is inverted where ``mask`` is high; behind the register it is
-    inverted back. So the address does not come from registers alone: if it did, a synthesiser would
-    make the table a block RAM.
-    """
-    last = len(addr) - 1
-    lower, first = unsigned(last), flag()
-    first_masked, mask_late = flag(), flag()
-
-    @always(clk.posedge)
-    def keep():
-        first_masked.next = addr[last] ^ mask
-        lower.next = addr[last:]
-        mask_late.next = mask
-
-    return keep, ops.xor(first_masked, mask_late, first), ops.join(first, lower, addr_late)
-
-
-@block
-def from_logic(
-    clk, *, base_addr, slope_addr, negative, base, slope, negative_late, activation: Bipartite
-):
-    """The two addends, two clocks later, from tables without the half that mirrors the other half.
-
-    A correction below 0 is the complement of its magnitude, plus 1. Both addends have one more bit
-    to the right; where the correction is below 0 these bits are set, and their carry is the 1.
-    """
-    fmt, table = activation.formats, activation.table
-    half = 1 << (fmt.offset_width - 1)
-    bases, corrections = activation.bases, activation.corrections
-    rising = [word for place, word in enumerate(corrections) if place & half]
-    width = table.correction_width - 1
-    half_addr = unsigned(len(slope_addr) - 1)
-    base_place, slope_place = unsigned(len(base_addr)), unsigned(len(half_addr))
-    falls, falls_late, negative_beside = flag(), flag(), flag()
-    base_word, turned_base = unsigned(fmt.base_width), unsigned(fmt.base_width)
-    slope_word, turned_slope = unsigned(width), unsigned(width)
-    joined = unsigned(width + 2)
-
-    @always(clk.posedge)
-    def keep():
-        base.next = concat(turned_base, falls_late)
-        joined.next = concat(falls_late, turned_slope, falls_late)
-
-    @always_comb
-    def extend():
-        slope.next = joined.signed()
-
-    return (
-        mirror(slope_addr, half_addr, falls, activation=activation),
-        masked(clk, base_addr, negative, base_place),
-        masked(clk, half_addr, falls, slope_place),
-        delay(clk, None, falls, falls_late, clocks=1),
-        delay(clk, None, negative, negative_beside, clocks=1),
-        delay(clk, None, negative_beside, negative_late, clocks=1),
-        rom(base_place, base_word, words=bases, meanings=fmt.texts(bases)),
-        rom(slope_place, slope_word, words=rising, meanings=fmt.texts(rising)),
-        turn(base_word, negative_beside, turned_base),
-        turn(slope_word, falls_late, turned_slope),
-        keep,
-        extend,
-    )
-
-
-@block
 def node(clk, in_data, out_data, memory, *, activation: Bipartite):
-    """tanh for one node; with "block_ram" it reads a ``memory`` that other nodes may read, too."""
-    fmt = activation.formats
-    in_logic = activation.memory == "logic"
-    cut = fmt.frac + in_logic
-    width = fmt.base_width + in_logic
+    """tanh for one node; it reads a ``memory`` that other nodes may read, too."""
+    cut = FRAC
+    width = BASE_WIDTH
     base_addr = unsigned((len(activation.bases) - 1).bit_length())
     slope_addr = unsigned((len(activation.corrections) - 1).bit_length())
     negative, negative_late = flag(), flag()
     base, wide_base, slope = unsigned(width), signed(width + 1), signed(width + 1)
     total = signed(width + 2)
     result, joined = unsigned(width - cut), unsigned(activation.out_fmt.width)
-    words = {
-        "base_addr": base_addr,
-        "slope_addr": slope_addr,
-        "negative": negative,
-        "base": base,
-        "slope": slope,
-        "negative_late": negative_late,
-    }
-    if in_logic:
-        find = from_logic(clk, **words, activation=activation)
-    else:
-        bases, corrections = memory
-        find = from_memories(clk, **words, bases=bases, corrections=corrections)
+    bases, corrections = memory
 
+    find = from_memories(
+        clk,
+        base_addr=base_addr,
+        slope_addr=slope_addr,
+        negative=negative,
+        base=base,
+        slope=slope,
+        negative_late=negative_late,
+        bases=bases,
+        corrections=corrections,
+    )
     widen = ops.widen(base, wide_base)
 
     @always_comb
@@ -344,8 +249,8 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
 def bipartite(clk, rst, in_: Stream, out: Stream, *, spec: Bipartite):
     """tanh of ``in_data`` four clocks later.
 
-    No multiplier. Latency 4: q 1, memories 1 and registers behind them 1, or with "logic" addresses
-    1 and tables 1, sum 1. One result a clock. Reset clears the valid flags.
+    No multiplier. Latency 4: q 1, memories 1 and registers behind them 1, sum 1. One result a
+    clock. Reset clears the valid flags.
     """
     return (
         node(clk, in_.data, out.data, memories(spec), activation=spec),

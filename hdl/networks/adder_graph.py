@@ -2,8 +2,7 @@
 
 from myhdl import always, block
 
-from golden.activation.bipartite import NODES
-from golden.activation.bipartite_table import RESULT
+from golden.activation.bipartite import NODES, RESULT
 from golden.networks.adder_graph import AdderGraph
 from golden.numbers.precision import SIGNAL
 from hdl.activation.bipartite import bipartite

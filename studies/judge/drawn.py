@@ -20,7 +20,6 @@ SPREADS = (0.001, 0.05, 0.5, 1.0, 4.0, 20.0, 100.0)
 ACTIVATION_OPTIONS = {
     "pade": ["{}", "{ rho = 1.5, iterations = 3 }", "{ rho = 1.5, iterations = 11 }"],
     "precise": ["{}", '{ coefficients = "block_ram" }'],
-    "bipartite": ["{}", '{ memory = "logic" }'],
 }
 
 

@@ -100,8 +100,8 @@ _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
     "precise": lambda _: 1,
 }
 _MEMORIES: dict[str, Callable[..., int]] = {
-    "bipartite": lambda block, *_: 2 * (block.memory == "block_ram"),
-    "bipartite_pair": lambda block, *_: 2 * (block.activation.memory == "block_ram"),
+    "bipartite": lambda *_: 2,
+    "bipartite_pair": lambda *_: 2,
     "engine": _alone,
     "lane_memory": _weights,
     "operand_memory": lambda block, _words, _each, logic: int(block.addr_width > logic),
@@ -219,15 +219,6 @@ def _constant_matrix(block: Any) -> dict[str, int]:
     return {"luts": adders + saturated, "registers": registers + width * len(spec.weights)}
 
 
-def _bipartite(nodes: int, activation: Any) -> dict[str, int]:
-    if activation.memory == "block_ram":
-        return {"bipartite": nodes}
-    # A word that is 0 takes no LUT.
-    bits = sum(map(bool, activation.bases)) * activation.formats.base_width
-    bits += sum(map(bool, activation.corrections)) * activation.table.correction_width
-    return {"bipartite": nodes, "luts": nodes * bits // TABLE_BITS}
-
-
 def _precise(block: Any) -> dict[str, int]:
     # A word in logic takes about two.
     return {"precise": 1, "luts": 2 * block.words * (block.coefficients == "logic")}
@@ -269,8 +260,8 @@ _SMALL = (
 _FEATURES: dict[str, Callable[[Any], dict[str, int]]] = {
     **dict.fromkeys(_SMALL, lambda _: {}),
     "abs_unit": lambda block: _bits(block.fmt.width),
-    "bipartite": lambda block: _bipartite(1, block),
-    "bipartite_pair": lambda block: _bipartite(2, block.activation),
+    "bipartite": lambda _: {"bipartite": 1},
+    "bipartite_pair": lambda _: {"bipartite": 2},
     "cascade": lambda block: {"cascade": len(block.networks)},
     "constant_matrix": _constant_matrix,
     "engine": _engine,
