@@ -370,7 +370,9 @@ class LoadProfile(Block):
         )
 
 
-def power_load(position: Real, load: Real, centre: Real, steepness: Real, power: int) -> Real:
+def power_load(
+    position: Real, load: Real | float, centre: Real | float, steepness: Real | float, power: int
+) -> Real:
     """Equation 3.18 in floating point: d exp(-(C (i_p - i_m))**P); the arguments are broadcast.
 
     The power is taken of the product, and not of C and of the distance separately as thesis section
@@ -378,7 +380,7 @@ def power_load(position: Real, load: Real, centre: Real, steepness: Real, power:
     becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
     """
     with np.errstate(over="ignore", under="ignore"):
-        return load * np.exp(-((steepness * (position - centre)) ** power))
+        return np.asarray(load * np.exp(-((steepness * (position - centre)) ** power)))
 
 
 def load_profile(
