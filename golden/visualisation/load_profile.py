@@ -339,19 +339,18 @@ class LoadProfile(Block):
         t = self.divider.process(distance, np.maximum(width, 0))
         return t, np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
 
-    def real(self, frames: ArrayLike, positions: Real | None = None) -> Real:
+    def real(self, frames: ArrayLike) -> Real:
         """Equation 3.18 in real arithmetic at the same codes, shape (..., points).
 
         frames: shape (..., 4).
-        positions, shape (points,): Coded positions; those of the ramp where there are none.
         """
         codes = np.asarray(frames, dtype=np.int64)[..., np.newaxis]
         load, centre, width = (self.fmt.to_real(codes[..., n, :]) for n in range(3))
         gain = self.divider.gain / 2**self.divider.gain_frac
         steepness = gain / np.maximum(width, self.fmt.to_real(1))
-        at = self.fmt.to_real(self.ramp.process()) if positions is None else positions
+        positions = self.fmt.to_real(self.ramp.process())
         triangle, rectangle = (
-            power_load(at, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
+            power_load(positions, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
         )
         return np.where(codes[..., 3, :] > self.shape_threshold, triangle, rectangle)
 
