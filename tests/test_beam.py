@@ -15,54 +15,13 @@ from hypothesis import strategies as st
 from refused import call
 from scipy.integrate import quad
 
-from studies.physics.digit_sensors import (
-    COLUMNS,
-    FARTHEST,
-    RECORDED,
-    SENSORS,
-    fit_sensor,
-    fit_sensors,
-    loads_from_codes,
-    read_sensors,
-)
 from studies.physics.plate import Plate
 from studies.physics.swing import Swing, bearing_forces, foot_forces, swing_motion
 from studies.physics.swing_data import ANGLES, independent_run, write_recordings
 from studies.physics.swing_data import COLUMNS as RUN
 from tactus.core.table import read_table
-from tactus.physics.beam import GRAVITY, Beam, StrainSensor, arm_slopes, mean_arm
+from tactus.physics.beam import GRAVITY, Gauge, arm_slopes, mean_arm
 from tactus.physics.gauges import MEAN_PER_DEVIATION, GaugeRig, load_rig
-
-BEAM = Beam()
-
-
-def recorded() -> np.ndarray:
-    return read_table(RECORDED, [*SENSORS, *COLUMNS])
-
-
-@pytest.mark.parametrize("position", [0.0, 0.03, 0.09, 0.16])
-def test_a_fit_finds_the_sensor_that_made_the_readings(position: float) -> None:
-    loads = loads_from_codes(recorded()[:, 4:], BEAM)
-    made = StrainSensor(2000.0, -0.02, position, BEAM)
-    found = fit_sensor(made.read(loads), loads, BEAM)
-    assert found.gain == pytest.approx(2000, rel=1e-4)
-    assert found.offset == pytest.approx(-0.02, abs=1e-5)
-    assert found.position == pytest.approx(position, abs=1e-5)
-
-
-def test_what_the_fit_makes_of_the_recorded_sensors() -> None:
-    """Sensor 4 reads no bending moment. The others are in test_pages.py, as the page shows them."""
-    table = recorded()
-    loads = loads_from_codes(table[:, 4:], BEAM)
-    sensors = fit_sensors(table, BEAM)
-    residuals = read_sensors(sensors, loads) - table[:, :4]
-    assert sensors[3].position == pytest.approx(BEAM.length * (1 - FARTHEST), rel=1e-3)
-    # The load alone fits as well as any position of the sensor.
-    matrix = np.stack([loads.mass, np.ones(len(table))], axis=1)
-    volts_per_kg = np.linalg.lstsq(matrix, table[:, 3])[0]
-    alone = np.sqrt(((matrix @ volts_per_kg - table[:, 3]) ** 2).mean())
-    assert alone <= np.sqrt((residuals[:, 3] ** 2).mean())
-    assert volts_per_kg == pytest.approx([38.56, 0.0071], abs=0.01)
 
 
 @given(st.floats(-0.1, 0.1), st.floats(1e-4, 0.05), st.booleans())
@@ -100,8 +59,8 @@ def test_errors_are_those_of_readings_with_what_is_known_beforehand(rig: GaugeRi
     for n in range(0, len(found), 37):
         rows, noise = [], []
         for place in places:
-            unit = StrainSensor(1.0, 0.0, place, rig.beam)
-            gain = rig.full_scale / np.abs(unit.read(rig.placements)).max()
+            unit = Gauge(place, rig.beam)
+            gain = rig.full_scale / np.abs(unit.strain(rig.placements)).max()
             rows.append(gain * unit.slopes(rig.placements)[n])
             noise.append(math.hypot(rig.noise, gain * rig.noise_strain))
         rows.append(np.array([1 / rig.masses[1], 0, 0]))

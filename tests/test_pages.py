@@ -15,20 +15,10 @@ from shared import Shared
 from golden.activation.abs_unit import AbsUnit
 from golden.input_error import InputError
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
-from studies.physics.digit_sensors import (
-    COLUMNS,
-    RECORDED,
-    SENSORS,
-    fit_sensors,
-    loads_from_codes,
-    read_sensors,
-)
 from studies.physics.swing_data import independent_run
 from tactus.cli.listing import adders as listing
 from tactus.core.commands import BY_NAME
-from tactus.core.table import read_table
 from tactus.errors import disturbed_errors, held_out_means, noises_of, scene_errors
-from tactus.physics.beam import Beam
 from tactus.physics.gauges import load_rig
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import outcome
@@ -224,20 +214,6 @@ def test_the_walk_from_a_csv_file_to_vhdl_names_functions_of_its_files() -> None
 
 
 FORMS = ("single", "multiple", "cascade")
-
-
-def test_the_sensors_of_the_page_are_those_fitted() -> None:
-    page = section("physics", "Do the recorded sensors follow theory?")
-    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
-    readings, beam = table[:, : len(SENSORS)], Beam()
-    sensors = fit_sensors(table, beam)
-    left = read_sensors(sensors, loads_from_codes(table[:, len(SENSORS) :], beam)) - readings
-    percent = 100 * np.sqrt((left**2).mean(axis=0)) / np.ptp(readings, axis=0)
-    for n, (sensor, rms) in enumerate(zip(sensors, percent, strict=True), 1):
-        place, *shown = cells(page, str(n))
-        assert shows(place, 1e3 * sensor.position, ROUNDING) if n < 4 else place == "outside"
-        for text, figure in zip(shown, (sensor.gain, float(rms)), strict=True):
-            assert shows(text, figure, ROUNDING), n
 
 
 def displacement_errors(results: np.ndarray, actual: np.ndarray) -> list[float]:

@@ -1,6 +1,6 @@
 """The cantilever of the flexible digit with its loads and gauges: thesis equations 3.1 to 3.9.
 
-Lengths are in m, masses in kg, forces in N, and signals in V.
+Lengths are in m, masses in kg, and forces in N.
 """
 
 from dataclasses import dataclass
@@ -112,36 +112,28 @@ class Loads:
 
 
 @dataclass(frozen=True)
-class StrainSensor:
-    """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
+class Gauge:
+    """One gauge, whose strain is gamma M_B / (E I) (equation 3.9); an upward bend is positive.
 
-    gain: V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
-        reading.
-    offset: V_off in V.
-    position: In m from the root. Below 0 there can be no gauge on this beam. The formula still
-        continues there, so that a fit can show that a sensor does not read a bending moment.
+    position: In m from the root.
     beam: The beam; gamma is half of its thickness.
     """
 
-    gain: float
-    offset: float
     position: float
     beam: Beam
 
-    def read(self, loads: Loads) -> Real:
-        """Volts for each load, not clipped."""
+    def strain(self, loads: Loads) -> Real:
         mass, arm = self._mass_and_arm(loads)
-        strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
-        return self.gain * strain + self.offset
+        return -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
 
     def slopes(self, loads: Loads) -> Real:
-        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
+        """Derivatives of ``strain`` by mass, position and half-width, shape (..., 3); 1/kg, 1/m."""
         mass, arm = self._mass_and_arm(loads)
         by_position, by_half_width = arm_slopes(
             loads.position - self.position, loads.half_width, loads.triangular
         )
         moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
-        per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
+        per_moment = -GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
         return per_moment * np.stack(moments, axis=-1)
 
     def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:

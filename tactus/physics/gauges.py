@@ -19,7 +19,7 @@ from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.files import named_file
 from tactus.core.schema import load_keys, read_checked
-from tactus.physics.beam import Beam, Loads, StrainSensor
+from tactus.physics.beam import Beam, Gauge, Loads
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
@@ -93,8 +93,8 @@ class GaugeRig:
 
         Its amplifier is set so that the largest moment reads full scale.
         """
-        unit = StrainSensor(1.0, 0.0, place, self.beam)
-        largest = float(np.abs(unit.read(self.placements)).max())
+        unit = Gauge(place, self.beam)
+        largest = float(np.abs(unit.strain(self.placements)).max())
         if not largest:
             return np.zeros((len(self.percent), 3, 3))
         gain = self.full_scale / largest
