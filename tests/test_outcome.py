@@ -189,9 +189,7 @@ def test_the_demo_ends_with_the_table_of_all_pages(
     results = {
         "benches": 9,
         "kept": 0,
-        "left": 0,
-        "recorded": [],
-        "short": "",
+        "left_out": [],
         "failed": failed,
         "compared": 987654,
         "facts": {simulator: {"frames": 10, "seconds": 2.0} for simulator in SIMULATORS},
@@ -200,7 +198,7 @@ def test_the_demo_ends_with_the_table_of_all_pages(
     monkeypatch.setattr(demo, "simulate", lambda *_: results)
     monkeypatch.setattr(demo, "proof_line", lambda scene, ask: f"{SAID[verdict]}{scene.name}")
     monkeypatch.setattr(demo, "build_report", lambda scene: Page(f"of {scene.name}", [], [], []))
-    assert demo.demonstrate([load_scene(name) for name in DEFAULT_SCENES], full=False) == code
+    assert demo.demonstrate([load_scene(name) for name in DEFAULT_SCENES]) == code
     told = capsys.readouterr().out
     assert f"9 benches (0 unchanged since they passed and not run again), {failed} failed" in told
     if code == 0:

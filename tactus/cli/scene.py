@@ -43,9 +43,6 @@ def main() -> None:
     found = survey(recording, outputs, arguments.classes or "")
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))
-    for finding in found.findings:
-        if finding.verdict != "fault":
-            print(finding)
     refuse(found.findings)
     hardware = load_scene(arguments.hardware) if arguments.hardware else None
     if hardware:
@@ -53,7 +50,7 @@ def main() -> None:
     network = brought(arguments.network, found) if arguments.network else None
     stop_if_dry_run(f"write {path}")
     scene = write_scene(found, path, hardware, network)
-    for finding in check.classes(scene):
+    for finding in dict.fromkeys([*found.findings, *check.data(scene)]):
         print(finding)
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"

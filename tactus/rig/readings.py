@@ -163,15 +163,6 @@ def perhaps_labels(name: str, values: Real) -> list[Finding]:
     return [Finding(NOTE, name, text)]
 
 
-def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:
-    """Find names that a shell would split."""
-    odd = [name for name in names if not (name.isascii() and name.replace("-", "_").isidentifier())]
-    if not odd:
-        return []
-    text = f"{several(odd)}: names with other signs than letters and digits work, in quotes"
-    return [Finding(NOTE, subject, text)]
-
-
 def step(column: Real) -> float:
     """The smallest difference between two values of a column, as they are written."""
     return float(10.0 ** -_decimals(column))

@@ -1,4 +1,4 @@
-"""Examines a recording as a whole: the role of each column, and what must be said about it."""
+"""Examines a recording before there is a scene: the role of each column, and what is wrong."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.input_error import suggest
-from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.core.finding import FAULT, NOTE, Finding, fault, faults
+from tactus.core.finding import FAULT, Finding, fault, faults
 from tactus.core.table import Column, CsvFile
 from tactus.rig import readings
 
@@ -37,9 +36,10 @@ class Survey:
         return any(readings.beyond("", column) for column in columns)
 
     @property
-    def interpolated(self) -> bool:
-        """Whether rows are interpolated, so that a held-out row would have been seen."""
-        return bool(readings.interpolated("", np.column_stack(list(self.sensors.values()))))
+    def interpolated(self) -> list[Finding]:
+        """A finding if rows are interpolated, so that a held-out row would have been seen."""
+        sensors = np.column_stack(list(self.sensors.values()))
+        return readings.interpolated(str(self.recording.path), sensors)
 
     def lines(self) -> list[str]:
         """A line for every column: its role and its range."""
@@ -84,7 +84,7 @@ def survey(recording: CsvFile, outputs: Sequence[str], classes: str = "") -> Sur
         found.findings.append(Finding(FAULT, path, "no column is a sensor, expected at least one"))
     found.findings.extend(readings.few_rows(path, len(recording.rows)))
     if found.sensors:
-        found.findings.extend(_shown(path, found))
+        found.findings.extend(found.interpolated)
     return found
 
 
@@ -134,16 +134,6 @@ def _take_other(found: Survey, column: Column) -> None:
             found.sensors[column.name] = column.values
 
 
-def _shown(path: str, found: Survey) -> list[Finding]:
-    """Find what the readings show, sensor by sensor and together."""
-    findings = readings.interpolated(path, np.column_stack(list(found.sensors.values())))
-    findings += readings.at_ends(found.sensors)
-    for name, values in (found.sensors | found.outputs).items():
-        findings += [] if found.beyond else readings.few_codes(name, values)
-    findings += [_beyond(path, found)] if found.beyond else []
-    return findings + readings.odd_names(path, [*found.sensors, *found.outputs])
-
-
 def _no_sensor(values: Real, sensors: dict[str, Real], outputs: dict[str, Real]) -> str:
     """The reason why a column of numbers is no sensor; empty if it is one."""
     if readings.constant(values):
@@ -155,14 +145,3 @@ def _no_sensor(values: Real, sensors: dict[str, Real], outputs: dict[str, Real])
     if readings.counts_rows(values):
         return "counts the rows"
     return ""
-
-
-def _beyond(path: str, found: Survey) -> Finding:
-    columns = found.sensors | found.outputs
-    far = max(columns, key=lambda name: np.abs(columns[name]).max())
-    text = (
-        f"{far!r} reaches {columns[far][np.abs(columns[far]).argmax()]:g}, the hardware's codes "
-        f"{SIGNAL.to_real(SIGNAL.low):g} to {SIGNAL.to_real(SIGNAL.high):.4g}: the scene scales "
-        "every column"
-    )
-    return Finding(NOTE, path, text)
