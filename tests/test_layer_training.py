@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,7 @@ from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
 from golden.networks.constants import constants_of
 from golden.numbers.precision import SIGNAL
-from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
+from golden.numbers.signed_digits import digit_counts, nearest_with, signed_digits
 from golden.trained.dense import ACTIVATIONS, Activation, DenseNetwork, network_of, packed, tanh
 from golden.trained.function import Function
 from tactus.cli import train as command
@@ -318,19 +317,6 @@ def test_no_other_form_has_fewer():
     assert len(checked) == 401
     for number in checked:
         assert len(signed_digits(number)) == fewest[number]
-
-
-def test_short_forms_are_all_forms_of_so_few_digits():
-    every = {}
-    for signs in product((-1, 0, 1), repeat=9):
-        form = tuple((place, sign) for place, sign in enumerate(signs) if sign)
-        every.setdefault(sum(sign << place for place, sign in form), set()).add(form)
-    for number in range(-40, 41):
-        for most in range(len(signed_digits(number)) + 2):
-            fitting = {form for form in every[number] if len(form) <= most}
-            found = short_forms(number, most)
-            assert set(found) == fitting
-            assert len(found) == len(fitting)
 
 
 @given(st.floats(-1000, 1000), st.integers(0, 5))

@@ -25,7 +25,7 @@ from golden.layers.constant_matrix import Finish
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
-from golden.layers.weighted_sum import NodeSum
+from golden.layers.weighted_sum import RowSums
 from golden.networks.axis_network import TDATA
 from golden.networks.design import Settings
 from golden.networks.designs import DESIGNS
@@ -338,7 +338,7 @@ def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> N
         seen(design, controller, small_scene.vectors().codes)
     # The recording leaves nothing behind.
     (layer,) = part_of(design, InputIntegral)
-    assert type(layer).process.__qualname__ == "InputIntegral.process"
+    assert type(layer).process.__qualname__ == "RowSums.process"
 
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
@@ -420,18 +420,19 @@ codes = st.integers(COEFF.low, COEFF.high)
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
 def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
-    twin = NodeSum(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
+    twin = RowSums(SIGNAL, COEFF, EXACT.hidden_fmt, shift, (tuple(weights),), (bias,))
     half = 1 << (twin.acc_width - 1)
-    largest = 0
+    (reach,), last = twin.reaches, EXACT.hidden_fmt.high
     for rails in itertools.product((SIGNAL.low, SIGNAL.high), repeat=len(weights)):
         terms = [(w * x) >> shift for w, x in zip(weights, rails, strict=True)]
         start = bias << twin.bias_shift
         for end in range(len(terms) + 1):
             partial = start + sum(terms[:end])
             assert -half <= partial < half
-        largest = max(largest, abs(start + sum(terms)), abs(sum(terms)))
-    assert largest <= twin.acc_bound
-    assert twin.acc_width <= max(2, twin.acc_bound.bit_length() + 1)
+        result = int(twin.process(np.array(rails))[0])
+        assert min(abs(result), last) <= reach
+    most = sum(abs(w) << 13 >> shift for w in weights) + abs(bias << twin.bias_shift)
+    assert twin.acc_width <= max(2, most.bit_length() + 1)
 
 
 Q13 = Fix(14, 13)

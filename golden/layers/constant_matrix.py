@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.sharing import Matrix, graph_of
+from golden.layers.sharing import Wanted, graph_of
 from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import FACTOR_LIMIT
@@ -129,19 +129,19 @@ class ConstantMatrix(Block):
         pairs = zip(self.weights, self.biases, strict=True)
         return [sum_ends(row, bias, self.sample_ends) for row, bias in pairs]
 
-    @property
-    def wanted(self) -> Matrix:
-        """What the search for the graph is given."""
-        return Matrix(self.weights, self.biases, self.sample_ends, self.place)
-
     @cached_property
     def graph(self) -> ShiftAdd:
         return graph_of(
-            self.wanted,
-            self.adders_per_clock,
-            self.finish_levels,
-            self.adder_operands,
-            self.search_runs,
+            Wanted(
+                self.weights,
+                self.biases,
+                self.sample_ends,
+                self.place,
+                self.adders_per_clock,
+                self.finish_levels,
+                self.adder_operands,
+                self.search_runs,
+            )
         )
 
     def __getstate__(self) -> dict[str, object]:

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-from numpy.typing import ArrayLike
-
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
 from golden.layers.weighted_sum import RowSums, WeightedSum
-from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)
@@ -131,8 +129,3 @@ class InputIntegral(RowSums):
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (frames,) = inputs
         return {f"sum {j}": sums for j, sums in enumerate(self.exact(frames).T)}
-
-    def process(self, frames: ArrayLike) -> Codes:
-        """Results, shape (..., hidden), for frames of samples, shape (..., inputs)."""
-        exact = self.exact(frames)
-        return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from golden.common.port import CLOCKED, Port, Unsigned, group, input_port, output_port
 from golden.layers.weighted_sum import RowSums, tree_depth
-from golden.numbers.fixed import Codes, Overflow, Rounding, requantise, signed_width
+from golden.numbers.fixed import Codes, signed_width
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,3 @@ class OutputIntegral(RowSums):
         addr, _, *activations = inputs
         sums = self.exact(np.stack(activations, axis=-1))
         return {f"sum {row}": sums[addr == row, row] for row in range(self.outputs)}
-
-    def process(self, activations: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (..., outputs), for activations, shape (..., hidden)."""
-        scaled = self.exact(activations) * np.array(self.row_factors)
-        return requantise(scaled, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -2,9 +2,7 @@
 
 It looks for common subexpressions of two terms in canonical signed digits, as in R. I. Hartley,
 Subexpression sharing in filters using canonic signed digit multipliers, IEEE Transactions on
-Circuits and Systems II, 1996. The rule by which it chooses among them is ours. A scene may ask for
-more runs. Each of these changes the best graph so far: some of its shares are undone, and some
-weights get other signed digits.
+Circuits and Systems II, 1996. The rule by which it chooses among them is ours.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ import heapq
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from functools import lru_cache
 from random import Random
 from typing import Any
@@ -33,7 +31,7 @@ from golden.layers.shift_add import (
     weights_of,
 )
 from golden.numbers.fixed import signed_width
-from golden.numbers.signed_digits import short_forms, signed_digits
+from golden.numbers.signed_digits import signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.
 Term = tuple[int, int]
@@ -48,11 +46,6 @@ RUNS = 40
 # One more pipeline stage is taken only if it saves more than 1 / (PAYS + 1) of the adder bits.
 PAYS = 19
 PAIRS = 400_000
-# Runs beyond these leave out so many per cent of the shares of the best run, and so many per cent
-# of the weights get another form, which has at most so many digits more than the shortest.
-UNDONE = 30
-CHANGED = 3
-LONGER = 1
 
 
 class GraphBuilder:
@@ -103,12 +96,10 @@ class GraphBuilder:
 class SubexpressionSearch:
     """Rows of signed terms, in which patterns that occur often become terms of their own.
 
-    All first runs of a search begin with the same rows, so these are examined once: each run works
-    on a copy, which ``begun`` makes.
+    All runs begin with the same rows, so these are examined once: each run works on a copy, which
+    ``begun`` makes.
     """
 
-    # The patterns that became terms, in their order. Each one is the next node behind the inputs.
-    shares: list[Pattern]
     spread: int
     random: Random
     luck: dict[Pattern, int]
@@ -116,8 +107,6 @@ class SubexpressionSearch:
 
     def __init__(self, graph: GraphBuilder, rows: list[dict[Term, int]], place: int):
         self.graph, self.rows, self.place = graph, rows, place
-        # Runs change copies of the rows, so these stay.
-        self.digits = rows
         # For each pattern the rows in which it occurs, each with the pattern's low term there.
         self.places: dict[Pattern, set[tuple[int, Term]]] = defaultdict(set)
         for number, row in enumerate(rows):
@@ -133,26 +122,9 @@ class SubexpressionSearch:
         other.graph, other.rows = self.graph.copy(), [dict(row) for row in self.rows]
         other.places = defaultdict(set, {p: set(found) for p, found in self.places.items()})
         other.spread, other.random, other.luck, other.queue = spread, random, {}, []
-        other.shares = []
         for pattern, saved in self._first:
             other._offer(pattern, saved)
         return other
-
-    def repeat(self, shares: Sequence[Pattern]) -> None:
-        """Begin with most shares of an earlier run, as far as its rows allow; chance leaves out.
-
-        Without those that are left out, others may save more.
-        """
-        inputs = len(self.graph.ends)
-        # Those nodes of the earlier run that are here too, with their indices here.
-        here = {k: k for k in range(inputs)}
-        for number, (low, high, shift, differ) in enumerate(shares, start=inputs):
-            if self.random.randrange(100) < UNDONE or not {low, high} <= here.keys():
-                continue
-            pattern = here[low], here[high], shift, differ
-            if pattern in self.places and self._saved(pattern):
-                here[number] = len(self.graph.nodes)
-                self._share(pattern)
 
     def _pairs(self, number: int, term: Term) -> list[tuple[Pattern, Term]]:
         """The pattern of a term with each other one of its row, and the low one of the two.
@@ -219,7 +191,6 @@ class SubexpressionSearch:
                 self._offer(pattern, saved)
 
     def _share(self, pattern: Pattern) -> None:
-        self.shares.append(pattern)
         low_node, high_node, shift, differ = pattern
         pair = Operand(low_node), Operand(high_node, shift, -1 if differ else 1)
         node = self.graph.sum(Sum(pair))
@@ -284,91 +255,64 @@ def _pair(weights: Sequence[int], room: int) -> tuple[int, int]:
 
 
 @dataclass(frozen=True)
-class Matrix:
-    """A constant matrix whose sums of products are wanted; see ``shared``.
+class Wanted:
+    """A constant matrix whose sums of products are wanted, and what its graph may be.
 
     weights: A row for each sum.
     biases: The constant of each sum.
     ends: For each input its least and its largest value.
     place: The lowest bit position of a sum that is kept.
+    levels: Most adders between two registers. The graph has the least possible number of register
+        stages, or one more where that saves enough.
+    spare: Adders that follow the last adder of a row.
+    operands: The most operands of an adder, 2 or 3. Sums of three are made of two sums that are
+        chosen first, so the numbers of stages that are tried reach one further.
+    runs: How many runs the search has; 0 for ``RUNS`` and ``PAIRS``.
     """
 
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
     ends: Ends
     place: int
+    levels: int
+    spare: int
+    operands: int
+    runs: int
 
-
-def again(matrix: Matrix, best: SubexpressionSearch, random: Random) -> SubexpressionSearch:
-    """A run that changes an earlier one: it has other digits of some weights and other shares."""
-    rows = [dict(row) for row in best.digits]
-    for row, weights in zip(rows, matrix.weights, strict=True):
-        for k, weight in enumerate(weights):
-            if weight and random.randrange(100) < CHANGED:
-                for term in [term for term in row if term[0] == k]:
-                    del row[term]
-                forms = short_forms(weight, len(signed_digits(weight)) + LONGER)
-                form = forms[random.randrange(len(forms))]
-                row.update({(k, place): sign for place, sign in form})
-    sharing = SubexpressionSearch(GraphBuilder(matrix.ends), rows, matrix.place).begun(
-        SPREADS[-1], random
-    )
-    sharing.repeat(best.shares)
-    return sharing
+    def stages(self, depth: int) -> int:
+        """The register stages of so many adders one behind the other."""
+        return max(1, -(-(depth + self.spare) // self.levels))
 
 
 @lru_cache(maxsize=64)
-def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0) -> ShiftAdd:
-    """The graph for a matrix with the fewest bits of adders among several runs.
-
-    levels: Most adders between two registers. The graph has the least possible number of register
-        stages, or one more where that saves enough.
-    spare: Adders that follow the last adder of a row.
-    operands: The most operands of an adder, 2 or 3. Sums of three are made of two sums that are
-        chosen first, so the numbers of stages that are tried reach one further.
-    runs: How many runs there are; 0 for ``RUNS`` and ``PAIRS``. Runs beyond these each change the
-        best one so far; see ``again``.
-    """
-
-    def stages(depth: int) -> int:
-        return max(1, -(-(depth + spare) // levels))
-
+def shared(wanted: Wanted) -> ShiftAdd:
+    """The graph for a matrix with the fewest bits of adders among several runs."""
     digits = [
         {(k, place): sign for k, weight in enumerate(row) for place, sign in signed_digits(weight)}
-        for row in matrix.weights
+        for row in wanted.weights
     ]
     pairs = sum(len(row) ** 2 for row in digits)
-    at_first = SubexpressionSearch(GraphBuilder(matrix.ends), digits, matrix.place)
+    at_first = SubexpressionSearch(GraphBuilder(wanted.ends), digits, wanted.place)
     # For each number of stages the graph with the fewest bits of adders, after these.
     found: dict[int, tuple[int, ShiftAdd]] = {}
-    best: tuple[int, int, SubexpressionSearch] | None = None
-    at_random = max(1, min(RUNS, PAIRS // max(1, pairs)))
-    for run in range(runs or at_random):
-        if best is None or run < at_random:
-            sharing = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
-        else:
-            sharing = again(matrix, best[2], Random(run))
-        sharing.run()
-        graph, rows = sharing.graph, sharing.rows
+    for run in range(wanted.runs or max(1, min(RUNS, PAIRS // max(1, pairs)))):
+        search = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
+        search.run()
+        graph, rows = search.graph, search.rows
         # Levels below which the terms of some row cannot be added up; see ``add_up``.
         weights = (sum(1 << graph.levels[node] for node, _ in row) for row in rows)
         needed = max((weight - 1).bit_length() if weight else 0 for weight in weights)
-        clocks, least = stages(needed), 0
-        costs: list[tuple[int, int]] = []
-        while not least or clocks < least + operands:
-            depth = clocks * levels - spare
-            made = finished(matrix, graph.copy(), rows, depth)
+        clocks, least = wanted.stages(needed), 0
+        while not least or clocks < least + wanted.operands:
+            depth = clocks * wanted.levels - wanted.spare
+            made = finished(wanted, graph.copy(), rows, depth)
             if made.depth <= depth:
-                least, before = least or clocks, stages(made.depth)
-                made = fused(made) if operands > 2 else made
-                saved = before - stages(made.depth)
-                bits = made.adder_bits
-                if clocks - saved not in found or bits < found[clocks - saved][0]:
-                    found[clocks - saved] = bits, made
-                costs.append((clocks - saved, bits))
+                least, before = least or clocks, wanted.stages(made.depth)
+                made = fused(made) if wanted.operands > 2 else made
+                taken, bits = clocks - before + wanted.stages(made.depth), made.adder_bits
+                if taken not in found or bits < found[taken][0]:
+                    found[taken] = bits, made
             clocks += 1
-        if best is None or min(costs) <= best[:2]:
-            best = *min(costs), sharing
     least = min(found)
     bits, chosen = found[least]
     more_bits, more = found.get(least + 1, found[least])
@@ -376,12 +320,12 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0
 
 
 def finished(
-    matrix: Matrix, graph: GraphBuilder, rows: Sequence[dict[Term, int]], depth: int
+    wanted: Wanted, graph: GraphBuilder, rows: Sequence[dict[Term, int]], depth: int
 ) -> ShiftAdd:
     """The finished graph: the terms of each row added up, low bits dropped, constants put in."""
-    place = matrix.place
+    place = wanted.place
     results, constants = [], []
-    for row, bias in zip(rows, matrix.biases, strict=True):
+    for row, bias in zip(rows, wanted.biases, strict=True):
         needed = bool(bias or place or not row)
         if not needed:
             term, sign = add_up(graph, list(row.items()), depth, place)
@@ -395,10 +339,10 @@ def finished(
     nodes = list(graph.nodes)
     for constant in constants:
         nodes[constant] = Constant(1)
-    made = cut_back(matrix.ends, nodes, results, place)
+    made = cut_back(wanted.ends, nodes, results, place)
     values = [
         _constant(made, row, bias, place)
-        for row, bias in zip(made.rows, matrix.biases, strict=True)
+        for row, bias in zip(made.rows, wanted.biases, strict=True)
         if made.weights[row.node][-1]
     ]
     # These constants come in the order of the rows.
@@ -429,45 +373,28 @@ LEAST_WEIGHTS = 32
 keeper: Callable[[dict[str, Any], bool, Callable[[], Any]], Any] | None = None
 
 
-def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) -> ShiftAdd:
+def graph_of(wanted: Wanted) -> ShiftAdd:
     """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once."""
-    small = sum(map(len, matrix.weights)) < LEAST_WEIGHTS
-    if keeper is None or (small and not runs):
-        return shared(matrix, levels, spare, operands, runs)
+    small = sum(map(len, wanted.weights)) < LEAST_WEIGHTS
+    if keeper is None or (small and not wanted.runs):
+        return shared(wanted)
     # Tests set other limits, which the code does not show.
-    parts = {
-        "limits": (RUNS, PAIRS),
-        "matrix": repr(matrix),
-        "levels": levels,
-        "spare": spare,
-        "operands": operands,
-        "runs": runs,
-    }
-    data = keeper(parts, bool(runs), lambda: as_data(shared(matrix, levels, spare, operands, runs)))
-    nodes, rows = map(_node, data["nodes"]), (Row(*row) for row in data["rows"])
-    return ShiftAdd(matrix.ends, tuple(nodes), tuple(data["lows"]), tuple(rows))
+    parts = {"limits": (RUNS, PAIRS), "wanted": repr(wanted)}
+    data = keeper(parts, bool(wanted.runs), lambda: as_data(shared(wanted)))
+    nodes, rows = tuple(_node(*node) for node in data["nodes"]), (Row(*row) for row in data["rows"])
+    return ShiftAdd(wanted.ends, nodes, tuple(data["lows"]), tuple(rows))
 
 
-def as_data(graph: ShiftAdd) -> dict[str, list[object]]:
-    """A graph without its ends as data for JSON."""
+def as_data(graph: ShiftAdd) -> dict[str, list[Any]]:
+    """A graph without its ends as data for JSON: of each node its kind and what it holds."""
     return {
-        "nodes": [_node_data(node) for node in graph.nodes],
+        "nodes": [[type(node).__name__, *astuple(node)] for node in graph.nodes],
         "lows": list(graph.lows),
-        "rows": [[row.node, row.shift, row.minus] for row in graph.rows],
+        "rows": [astuple(row) for row in graph.rows],
     }
 
 
-def _node_data(node: Node) -> list[object]:
-    """The kind of a node, and what it holds."""
-    if isinstance(node, Input):
-        return ["input", node.number]
-    if isinstance(node, Constant):
-        return ["constant", node.value]
-    return ["sum", *([one.node, one.shift, one.sign] for one in node.operands)]
-
-
-def _node(data: list[Any]) -> Node:
-    kind, *held = data
-    if kind == "sum":
+def _node(kind: str, held: Any) -> Node:
+    if kind == "Sum":
         return Sum(tuple(Operand(*one) for one in held))
-    return Input(*held) if kind == "input" else Constant(*held)
+    return Input(held) if kind == "Input" else Constant(held)

@@ -10,9 +10,9 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
-from golden.layers.weighted_sum import NodeSum
+from golden.layers.weighted_sum import RowSums
 from golden.networks.design import Settings
-from golden.numbers.fixed import Fix
+from golden.numbers.fixed import Fix, signed_width
 from golden.numbers.precision import SIGNAL, Precision, normalisation
 from golden.trained.dense import Dense, DenseNetwork
 
@@ -102,18 +102,18 @@ def constants_of(mlp: DenseNetwork, settings: Settings) -> Constants:
     nodes = _sums(first, precision.hidden_fmt, precision)
     outputs = _sums(second, SIGNAL, precision)
     # The thesis' adders would wrap a sum that is too wide, and a wrapped sum is wrong.
-    named = [(f"hidden node {j}", node) for j, node in enumerate(nodes)]
-    for name, node in (*named, *(("output layer", node) for node in outputs)):
-        if precision.normalise and node.acc_width > SIGNAL.width:
+    named = [(f"hidden node {j}", ends) for j, ends in enumerate(nodes.sum_ranges)]
+    for name, ends in (*named, *(("output layer", ends) for ends in outputs.sum_ranges)):
+        if precision.normalise and signed_width(ends) > SIGNAL.width:
             raise InputError(
-                f"{name}: its normalised sum needs {node.acc_width} bits and would wrap in "
+                f"{name}: its normalised sum needs {signed_width(ends)} bits and would wrap in "
                 f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
                 "use the exact precision"
             )
     scheme = SCHEMES[settings.activation].configured(settings.activation_options)
     activations = tuple(
-        scheme.build(precision, q, node.reach if lean else node.out_fmt.high)
-        for q, node in zip(first.factors, nodes, strict=True)
+        scheme.build(precision, q, reach if lean else precision.hidden_fmt.high)
+        for q, reach in zip(first.factors, nodes.reaches, strict=True)
     )
     return Constants(precision, first, second, activations, len(hidden) - len(used))
 
@@ -124,9 +124,7 @@ def used_nodes(second: Layer) -> list[int]:
     return found or [0]
 
 
-def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:
-    """The sum of each neuron of a layer. Its bounds are the same in every design."""
-    return [
-        NodeSum(SIGNAL, layer.fmt, out_fmt, precision.product_shift, weights, bias)
-        for weights, bias in zip(layer.weights, layer.biases, strict=True)
-    ]
+def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> RowSums:
+    """The sums of a layer. Their bounds are the same in every design."""
+    formats = SIGNAL, layer.fmt, out_fmt, precision.product_shift
+    return RowSums(*formats, layer.weights, layer.biases)

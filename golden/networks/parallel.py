@@ -5,37 +5,43 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from golden.activation.activation_block import ActivationBlock
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Wire
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.layers.input_controller import InputController
-from golden.layers.weighted_sum import NodeSum, tree_depth
+from golden.layers.weighted_sum import WeightedSum, tree_depth
 from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design, Settings
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
 
 
 @dataclass(frozen=True)
-class Neuron(NodeSum):
+class Neuron(WeightedSum):
     """(b + sum_k w_k x_k) Y, with a multiplier for every weight (thesis section 5.2.1).
 
+    weights, bias: Codes of ``coeff_fmt``, in the order of the samples.
     factor: De-normalisation Y_i of an output (equation 4.17). With None its multiplier is left out.
 
     The sum and its product with the factor are exact. The result is rounded half up and saturated
-    to ``out_fmt``.
+    to ``out_fmt``. With no bits to drop, and a sum no wider than ``out_fmt``, neither costs
+    hardware.
     """
 
     block = "neuron"
     part_of = "parallel"
     section = "5.2.1"
+    weights: tuple[int, ...]
+    bias: int
     factor: int | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.coeff_fmt.check(np.array([*self.weights, self.bias]), f"{self.entity} weights")
         if self.factor is not None:
             self.check(factor=(1, None))
 
@@ -59,11 +65,20 @@ class Neuron(NodeSum):
         return 1 + tree_depth(len(self.weights) + 1) + (self.factor is not None) + 1
 
     @property
+    def acc_width(self) -> int:
+        """Bits of the sum. They are enough for the sum of any subset of the terms."""
+        return signed_width(map(int, self.partial_sums(self.weights, self.bias)))
+
+    @property
     def scaled_width(self) -> int:
         return self.acc_width + ((self.factor or 1) - 1).bit_length()
 
-    def scaled(self, acc: Codes) -> Codes:
-        return acc if self.factor is None else acc * self.factor
+    def process(self, frames: ArrayLike) -> Codes:
+        """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs)."""
+        x = self.in_fmt.check(frames, f"{self.block} frames", len(self.weights))
+        acc = self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]
+        exact = acc * (self.factor or 1)
+        return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
 
 
 @dataclass(frozen=True)

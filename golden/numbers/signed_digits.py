@@ -1,7 +1,5 @@
 """Whole numbers as signed digits, which are the cost of a product without a multiplier."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from golden.numbers.fixed import Codes
@@ -25,21 +23,6 @@ def signed_digits(number: int) -> tuple[tuple[int, int], ...]:
         rest >>= 1
         place += 1
     return tuple(found)
-
-
-@lru_cache(maxsize=4096)
-def short_forms(number: int, most: int) -> tuple[tuple[tuple[int, int], ...], ...]:
-    """All forms of a number that have at most ``most`` signed digits; see ``signed_digits``."""
-    if number == 0:
-        return ((),)
-    if len(signed_digits(number)) > most:
-        return ()
-    signs = (1, -1) if number & 1 else (0,)
-    return tuple(
-        (*([(0, sign)] if sign else []), *((place + 1, other) for place, other in form))
-        for sign in signs
-        for form in short_forms((number - sign) >> 1, most - abs(sign))
-    )
 
 
 def digit_counts(numbers: Codes) -> Codes:

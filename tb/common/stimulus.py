@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from golden.layers.weighted_sum import WeightedSum
+from golden.layers.weighted_sum import WeightedSum, beside
 from golden.numbers.fixed import Fix
 from golden.trained.window import Window
 
@@ -107,11 +107,16 @@ def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
 
 
 def _about(
-    layer: WeightedSum, row: np.ndarray, start: int, at: int, near: int, rng: np.random.Generator
+    layer: WeightedSum,
+    row: Sequence[int],
+    bias: int,
+    at: int,
+    near: int,
+    rng: np.random.Generator,
 ) -> list[np.ndarray]:
     """Frames whose sums are closest to the ``near`` values on each side of a border."""
     targets = [(target, target >= at) for target in range(at - near, at + near)]
-    frames = [layer.closest(row, start, target, above, rng) for target, above in targets]
+    frames = [layer.closest(row, bias, target, above, rng) for target, above in targets]
     return [frame for frame in frames if frame is not None]
 
 
@@ -125,14 +130,13 @@ def border_frames(
     """Frames whose exact sums lie just at the borders where results of a layer saturate."""
     found = []
     chosen = [1] * len(rows) if factors is None else factors
-    for codes, bias, factor in zip(rows, biases, chosen, strict=True):
-        row = np.array(codes)
+    for row, bias, factor in zip(rows, biases, chosen, strict=True):
         for border in layer.borders_of("sum", row, bias, factor):
             if border.unreachable:
                 continue
             # First the samples that the twin has found, then others.
-            found += list(layer.beside(row, bias, border.at))
-            found += _about(layer, row, bias << layer.bias_shift, border.at, 2, rng)
+            found += list(beside(layer, tuple(row), bias, border.at))
+            found += _about(layer, row, bias, border.at, 2, rng)
     return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
 
 
@@ -185,7 +189,7 @@ def rounding_frames(
     found = []
     for row, result in pairs:
         at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[row]))
-        found += _about(layer, weights[row], int(starts[row]), at, 1, rng)
+        found += _about(layer, rows[row], int(biases[row]), at, 1, rng)
     return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
 
 
