@@ -56,3 +56,19 @@ class Flow:
     steps: tuple[Step, ...]
     across: bool = False
     watcher: Block | None = None
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """All blocks that it names, the watcher first."""
+        found = [self.watcher] if self.watcher else []
+        for step in self.steps:
+            match step:
+                case Replicated(blocks) | SideBySide(blocks):
+                    found += blocks
+                case WithController(controller, block):
+                    found += [controller, block]
+                case None | Wire():
+                    pass
+                case _:
+                    found.append(step)
+        return tuple(found)

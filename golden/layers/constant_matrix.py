@@ -12,7 +12,7 @@ from golden.common.block import Block
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.sharing import Wanted, graph_of
-from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
+from golden.layers.shift_add import Ends, Row, ShiftAdd, sum_ends
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import FACTOR_LIMIT
 
@@ -174,7 +174,8 @@ class ConstantMatrix(Block):
     @property
     def clocks(self) -> tuple[int, ...]:
         """The clock in which each node of the graph is computed; samples stand in clock 0."""
-        return clocks_of(self.graph, self.adders_per_clock)
+        levels = self.graph.levels
+        return tuple(max(0, -(-level // self.adders_per_clock) - 1) for level in levels)
 
     @property
     def latency(self) -> int:

@@ -8,7 +8,8 @@ needed. Each node has only the low bits that somebody needs.
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import add
 
 from golden.numbers.fixed import Codes, signed_width
 
@@ -101,27 +102,22 @@ class ShiftAdd:
     lows: tuple[int, ...]
     rows: tuple[Row, ...]
 
-    @property
-    def inputs(self) -> int:
-        return len(self.ends)
+    @cached_property
+    def sums(self) -> dict[int, Sum]:
+        """The sums among the nodes, by their indices."""
+        return {place: node for place, node in enumerate(self.nodes) if isinstance(node, Sum)}
 
     def steps(self, place: int) -> tuple[Alignment, ...]:
         """How the sum at index ``place`` takes the number of each operand."""
-        node = self.nodes[place]
-        assert isinstance(node, Sum)
-        return steps_of(node, self.lows, self.lows[place])
+        return steps_of(self.sums[place], self.lows, self.lows[place])
 
     def beside(self, place: int) -> int:
         """How many last bits of the sum at index ``place`` pass beside its adder."""
-        node = self.nodes[place]
-        assert isinstance(node, Sum)
-        return beside(node, self.steps(place))
+        return beside(self.sums[place], self.steps(place))
 
     def passing(self, place: int) -> int:
         """As ``beside``, but 0 if the first operand is a constant or does not have these bits."""
-        node = self.nodes[place]
-        assert isinstance(node, Sum)
-        first, count = node.operands[0].node, self.beside(place)
+        first, count = self.sums[place].operands[0].node, self.beside(place)
         there = self.widths[first] - self.steps(place)[0].cut
         return 0 if isinstance(self.nodes[first], Constant) or count > there else count
 
@@ -142,7 +138,7 @@ class ShiftAdd:
     @cached_property
     def weights(self) -> tuple[tuple[int, ...], ...]:
         """For each node its exact factor of each input, and its constant at the end."""
-        inputs = self.inputs
+        inputs = len(self.ends)
         found: list[tuple[int, ...]] = []
         for node in self.nodes:
             if isinstance(node, Input):
@@ -192,7 +188,7 @@ class ShiftAdd:
 
     @property
     def adder_bits(self) -> int:
-        return sum(self.bits(p) for p, node in enumerate(self.nodes) if isinstance(node, Sum))
+        return sum(map(self.bits, self.sums))
 
     def numbers(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
         """The number at each node for given inputs, which are arrays or Python's integers."""
@@ -204,15 +200,9 @@ class ShiftAdd:
                 found.append(samples[0] * 0 + node.value)
             else:
                 pairs = zip(node.operands, self.steps(place), strict=True)
-                first, *rest = (one.sign * aligned(found[one.node], step) for one, step in pairs)
-                found.append(sum(rest, first))
+                terms = (one.sign * (found[one.node] >> s.cut << s.move) for one, s in pairs)
+                found.append(reduce(add, terms))
         return found
-
-
-def aligned(number: Codes, step: Alignment) -> Codes:
-    """An operand as the adder of a sum takes it."""
-    cut = number >> step.cut if step.cut else number
-    return cut << step.move if step.move else cut
 
 
 def steps_of(node: Sum, lows: Sequence[int], low: int) -> tuple[Alignment, ...]:
@@ -287,11 +277,6 @@ def renumbered(
     )
 
 
-def clocks_of(graph: ShiftAdd, levels: int) -> tuple[int, ...]:
-    """The number of registers before each node, with one after every ``levels`` adders."""
-    return tuple(max(0, -(-level // levels) - 1) for level in graph.levels)
-
-
 def fused(graph: ShiftAdd) -> ShiftAdd:
     """The same rows, with sums of three operands where that saves the most bits of adders.
 
@@ -311,15 +296,11 @@ def fused(graph: ShiftAdd) -> ShiftAdd:
 
 def _merged(graph: ShiftAdd, place: int, operand: int) -> Sum:
     """The sum at ``place`` with the operands of one of its operands in place of that."""
-    node, inner = graph.nodes[place], graph.nodes[operand]
-    assert isinstance(node, Sum)
-    assert isinstance(inner, Sum)
     found: list[Operand] = []
-    for one in node.operands:
+    for one in graph.sums[place].operands:
         if one.node == operand:
-            found += [
-                Operand(o.node, o.shift + one.shift, o.sign * one.sign) for o in inner.operands
-            ]
+            inner = graph.sums[operand].operands
+            found += [Operand(o.node, o.shift + one.shift, o.sign * one.sign) for o in inner]
         else:
             found.append(one)
     return Sum(tuple(sorted(found, key=lambda one: (one.shift, one.node, one.sign))))
@@ -335,16 +316,15 @@ def saving_of(graph: ShiftAdd, place: int, operand: int) -> int:
 def _choice(graph: ShiftAdd) -> dict[int, int]:
     """For each sum that takes in an operand, that operand."""
     users: dict[int, list[int]] = defaultdict(list)
-    for place, node in enumerate(graph.nodes):
-        if isinstance(node, Sum):
-            for one in node.operands:
-                users[one.node].append(place)
+    for place, node in graph.sums.items():
+        for one in node.operands:
+            users[one.node].append(place)
     # The results of the block use the nodes of rows.
     for row in graph.rows:
         users[row.node] += [-1, -1]
     inner: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for place, node in enumerate(graph.nodes):
-        if isinstance(node, Sum) and len(users[place]) == 1:
+    for place in graph.sums:
+        if len(users[place]) == 1:
             (user,) = users[place]
             inner[user].append((place, saving_of(graph, user, place)))
     # The most that can be saved in the tree below a node, if it takes in none, and in any case.

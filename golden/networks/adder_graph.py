@@ -1,14 +1,12 @@
 """Adder graph: a network of any depth without a multiplier, which takes a frame every clock."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.bipartite import NODES, RESULT, Bipartite, BipartitePair
-from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Step, Wire
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
@@ -18,7 +16,6 @@ from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import AtOnce, Settings
 from golden.networks.matrix_network import (
     GUARD,
-    MatrixOptions,
     compile_matrices,
     groups_of,
     layer_name,
@@ -58,7 +55,6 @@ class AdderGraph(AtOnce):
 
     block = "adder_graph"
     known_activations = ("bipartite",)
-    half_codes = True
     options = tuple(OPTIONS)
     layers: tuple[ConstantMatrix, ...]
     activations: tuple[tuple[Bipartite, ...], ...]
@@ -86,24 +82,24 @@ class AdderGraph(AtOnce):
     def build(
         cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        options: dict[str, Any] = {**OPTIONS, **settings.options}
-        chosen = MatrixOptions(**options, prefix=f"{variant}_" if variant else "")
+        adders: dict[str, Any] = {**OPTIONS, **settings.options}
+        word_width = adders.pop("word_width")
         if len(networks) > 1 or networks[0].plain:
-            if chosen.word_width:
+            if word_width:
                 raise InputError(
-                    f"hardware.word_width: got {chosen.word_width}, expected none: a hidden layer "
-                    "of tanh has words as wide as its table"
+                    f"hardware.word_width: got {word_width}, expected none: a hidden layer of tanh "
+                    "has words as wide as its table"
                 )
-            return cls._of_tanh(networks, settings, chosen, variant)
+            return cls._of_tanh(networks, settings, adders, variant)
         (network,) = integer_networks("single", networks, settings.met)
-        return cls(**compile_matrices(network, chosen), variant=variant)
+        return cls(**compile_matrices(network, word_width, adders), variant=variant)
 
     @classmethod
     def _of_tanh(
         cls,
         networks: Sequence[DenseNetwork],
         settings: Settings,
-        chosen: MatrixOptions,
+        adders: Mapping[str, Any],
         variant: str,
     ) -> Self:
         """The design of networks of one hidden layer of tanh."""
@@ -119,11 +115,9 @@ class AdderGraph(AtOnce):
                 layer.weights,
                 biases,
                 in_fmt.frac + layer.fmt.frac - out_fmt.frac,
-                GUARD[name == "outputs"],
-                chosen.adders_per_clock,
-                adder_operands=chosen.adder_operands,
-                search_runs=chosen.search_runs,
-                variant=f"{chosen.prefix}{name}",
+                GUARD,
+                variant=name,
+                **adders,
             )
 
         frac = EXACT.hidden_fmt.frac
@@ -138,7 +132,8 @@ class AdderGraph(AtOnce):
             for row, bias in zip(second.weights, second.biases, strict=True)
         )
         outputs = matrix("outputs", second, RESULT, SIGNAL, biases)
-        activations = tabled(list(map(_halved, constants.activations)), hidden.result_widths)
+        found = [one for one in constants.activations if isinstance(one, Bipartite)]
+        activations = tabled(found, hidden.result_widths)
         return cls(
             (hidden, outputs),
             (activations,),
@@ -175,14 +170,6 @@ class AdderGraph(AtOnce):
     def latency(self) -> int:
         tables = sum(tables[0].latency for tables in self.activations if tables)
         return tables + sum(matrix.latency for matrix in self.layers)
-
-    def parts(self) -> tuple[Block, ...]:
-        found: list[Block] = []
-        for n, matrix in enumerate(self.layers):
-            found.append(matrix)
-            if n < len(self.activations):
-                found += self.tables(n)
-        return (*found, *([self.argmax] if self.argmax else []))
 
     def left_out(self) -> list[str]:
         texts = self.left_out_of([table for tables in self.activations for table in tables])
@@ -267,12 +254,6 @@ def _stacked(layers: Sequence[Layer]) -> Layer:
         Fix(width, frac),
         tuple(factor for layer in layers for factor in layer.factors),
     )
-
-
-def _halved(activation: ActivationBlock) -> Bipartite:
-    if not isinstance(activation, Bipartite):
-        raise InputError(f"adder_graph: got activation {activation.block!r}, expected 'bipartite'")
-    return activation
 
 
 def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) -> int:

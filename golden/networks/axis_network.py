@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
@@ -128,9 +127,6 @@ class AxisNetwork(Around):
     def input_controller(self) -> InputController:
         """Judges frames as they are sent. It is not built, and no frame comes too close."""
         return InputController(self.inputs, 0)
-
-    def parts(self) -> tuple[Block, ...]:
-        return (self.network, *([self.argmax] if self.argmax else []))
 
     def left_out(self) -> list[str]:
         counter = f"{self.entity}: the counter that keeps frames apart"

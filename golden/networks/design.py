@@ -65,12 +65,12 @@ class Design(Network):
     arrangements: The arrangements in which a scene may use it.
     together: The arrangements for which one design holds all networks.
     precisions: The precisions for which it is made.
-    known_activations: The activations that it can compute; empty for all.
+    known_activations: The activations that it can compute; empty for all but those whose codes
+        stand for the middle of their step.
     activation_choices: Whether a scene may set options of the activation.
-    half_codes: Whether it accepts activations whose codes stand for the middle of their step.
-    learned_functions: Whether it takes networks of learned functions, and no others.
-    coarse: Whether its words have only the bits that a scene gives them, so that its outputs are
-        further from the networks than those of other designs.
+    learned_functions: Whether it takes networks of learned functions, and no others. Its words have
+        only the bits that a scene gives them, so its outputs are further from the networks than
+        those of other designs.
     decides_itself: Whether it finds the largest output where a scene asks for it. A design whose
         outputs come one after the other leaves that to the readout.
     most_nodes: The most samples, hidden nodes and outputs of a network together; None for no limit.
@@ -84,9 +84,7 @@ class Design(Network):
     precisions: ClassVar[tuple[str, ...]] = tuple(PRECISIONS)
     known_activations: ClassVar[tuple[str, ...]] = ()
     activation_choices: ClassVar[bool] = True
-    half_codes: ClassVar[bool] = False
     learned_functions: ClassVar[bool] = False
-    coarse: ClassVar[bool] = False
     decides_itself: ClassVar[bool] = False
     most_nodes: ClassVar[int | None] = None
     options: ClassVar[tuple[str, ...]] = ()
@@ -118,11 +116,6 @@ class Design(Network):
                     raise InputError(
                         f"{cls.block}: {key}: got {name!r}, expected {' or '.join(known)}"
                     )
-        if settings.activation_options and not cls.activation_choices:
-            raise InputError(
-                f"{cls.block}: activation_options: got {', '.join(settings.activation_options)}, "
-                f"expected none: its {settings.activation} has one form"
-            )
         for network in networks:
             cls._refuse_large(network)
         return cls.build(networks, settings, arrangement, variant)

@@ -7,7 +7,6 @@ from typing import Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Wire, WithController
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
@@ -105,15 +104,6 @@ class Hybrid(Design):
     @property
     def output_controller(self) -> OutputController:
         return OutputController(self.outputs)
-
-    def parts(self) -> tuple[Block, ...]:
-        return (
-            self.input_controller,
-            self.input_integral,
-            *self.activations,
-            self.output_controller,
-            self.output_integral,
-        )
 
     def left_out(self) -> list[str]:
         texts = self.left_out_of(self.activations)

@@ -4,7 +4,7 @@ A ReLU, a clip and a rounding are the finish of a matrix. tanh, and so sigmoid, 
 behind it. A leaky ReLU is two rows of the same sum, one of them rectified.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
@@ -25,29 +25,10 @@ from golden.trained.function import TANH
 # Bits of a word from layer to layer, where neither a quantiser nor the scene says how many there
 # are: as many as tanh has. An engine keeps more, which cost it nothing.
 WORD_WIDTH = TANH_RESULT.width
-# Bits below the last place of a hidden word and of an output that take part in the additions.
-GUARD = (1, 1)
+# Bits below the last place of a word that take part in the additions.
+GUARD = 1
 # Fraction bits of a word of tanh beyond those of a table's code, which means the middle of a step.
 _TANH_SHIFT = RESULT.frac - TANH_RESULT.frac
-
-
-@dataclass(frozen=True)
-class MatrixOptions:
-    """What a scene chooses of the layers.
-
-    adders_per_clock: The most adders between two registers.
-    adder_operands: The most operands of an adder; see ``ConstantMatrix``.
-    prefix: What the names of the matrices begin with.
-    word_width: Bits of a word from layer to layer where no quantiser says how many there are, and
-        no table; 0 for ``WORD_WIDTH``.
-    search_runs: Runs of the search for each matrix; see ``ConstantMatrix``.
-    """
-
-    adders_per_clock: int
-    adder_operands: int
-    prefix: str = ""
-    word_width: int = 0
-    search_runs: int = 0
 
 
 @dataclass(frozen=True)
@@ -81,10 +62,15 @@ class LayerWords:
         return tuple(word.ends for word in self.live.values())
 
 
-def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> dict[str, Any]:
+def compile_matrices(
+    network: IntegerNetwork, word_width: int, adders: Mapping[str, Any]
+) -> dict[str, Any]:
     """The matrices and tables of an integer network, by the names that ``AdderGraph`` has for them.
 
     network: It takes samples alone.
+    word_width: Bits of a word from layer to layer where no quantiser says how many there are, and
+        no table; 0 for ``WORD_WIDTH``.
+    adders: What a scene chooses of each ``ConstantMatrix``.
 
     If a layer has a quantiser, no bit of any sum is cut, and words keep all their bits. Then every
     word is that of the integer network, unless it comes from a table, and so is every output: ties
@@ -94,9 +80,9 @@ def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> dict[str
     Hidden nodes that no output uses are not built, and neither are nodes that never change.
     """
     exact = any(layer.cut for layer in network.layers)
-    if chosen.word_width and (exact or all(layer.functions for layer in network.layers[:-1])):
+    if word_width and (exact or all(layer.functions for layer in network.layers[:-1])):
         raise InputError(
-            f"hardware.word_width: got {chosen.word_width}, expected none: every hidden layer has "
+            f"hardware.word_width: got {word_width}, expected none: every hidden layer has "
             "a quantiser or a table, which has a width of its own"
         )
     sample = LayerWord((SIGNAL.low, SIGNAL.high), 1 << SAMPLE_SHIFT)
@@ -109,13 +95,13 @@ def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> dict[str
     for number, (layer, columns) in enumerate(zip(network.layers, used, strict=True), start=1):
         output = number == len(network.layers)
         with naming(layer_name(number)):
-            step = _Step(layer, output, exact, words, chosen)
+            step = _Step(layer, output, exact, words, word_width or WORD_WIDTH, adders)
             fixed = {} if output else step.fixed(columns)
             # A matrix has one row at least.
             live = [column for column in columns if column not in fixed] or columns[:1]
             place = number if len(network.layers) > 2 else ""
             name = "outputs" if output else f"hidden{place}"
-            matrix = step.matrix(live, f"{chosen.prefix}{name}")
+            matrix = step.matrix(live, name)
         if layer.range:
             unit = 1 << max(0, step.dropped - layer.result.frac)
             found = replace(layer.range, fmt=matrix.out_fmt, layer=layer_name(number), unit=unit)
@@ -183,7 +169,8 @@ class _Step:
     output: bool
     exact: bool
     words: LayerWords
-    chosen: MatrixOptions
+    word_width: int
+    adders: Mapping[str, Any]
 
     def __post_init__(self) -> None:
         names = sorted({one.name for one in self.layer.every_function if one != TANH})
@@ -203,7 +190,7 @@ class _Step:
     def dropped(self) -> int:
         """How many bits of a word of the integer network its code lacks."""
         plain = not (self.exact or self.output or self.layer.functions)
-        return RESULT.width - (self.chosen.word_width or WORD_WIDTH) if plain else 0
+        return RESULT.width - self.word_width if plain else 0
 
     @property
     def shift(self) -> int:
@@ -276,13 +263,11 @@ class _Step:
             tuple(tuple(weight >> zeros for weight in row) for row, _ in pairs),
             tuple(start >> zeros for start in starts),
             shift,
-            shift if self.exact else GUARD[self.output],
-            self.chosen.adders_per_clock,
-            finishes if any(finish != Finish() for finish in finishes) else (),
-            () if whole else ends,
-            self.chosen.adder_operands,
-            self.chosen.search_runs,
+            shift if self.exact else GUARD,
+            finishes=finishes if any(finish != Finish() for finish in finishes) else (),
+            in_ends=() if whole else ends,
             variant=variant,
+            **self.adders,
         )
 
     def out_fmt(self, results: Sequence[int]) -> Fix:

@@ -118,9 +118,6 @@ class Multiple(Several):
     def latency(self) -> int:
         return max(network.latency for network in self.networks) + self.output_collector.latency
 
-    def parts(self) -> tuple[Block, ...]:
-        return (*self.networks, self.output_collector)
-
     def flow(self) -> Flow:
         return Flow(
             (

@@ -134,6 +134,11 @@ class Network(Block):
         """The ranges of the hidden layers in which saturation would be an error."""
         return ()
 
+    def parts(self) -> tuple[Block, ...]:
+        """Those that the flow names, and what finds the largest output."""
+        flow = self.flow()
+        return (*(flow.blocks if flow else ()), *([self.argmax] if self.argmax else ()))
+
     def left_out(self) -> list[str]:
         """Texts about parts that its hardware does not have, because it does not need them."""
         inside = (part for part in self.parts() if isinstance(part, Network))

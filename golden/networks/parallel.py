@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.activation.activation_block import ActivationBlock
-from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, Wire
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.layers.input_controller import InputController
@@ -171,14 +170,6 @@ class Parallel(Design):
         """A frame is one element; frames are kept as far apart as the activation needs."""
         spacing = self.interval if self.interval > 1 else 0
         return InputController(1, spacing)
-
-    def parts(self) -> tuple[Block, ...]:
-        return (
-            self.input_controller,
-            *self.hidden_neurons,
-            *self.activations,
-            *self.output_neurons,
-        )
 
     def left_out(self) -> list[str]:
         texts = self.left_out_of(self.activations)

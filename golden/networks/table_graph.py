@@ -7,7 +7,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
@@ -67,7 +66,6 @@ class TableGraph(AtOnce):
     known_activations = (EXACT.activation,)
     activation_choices = False
     learned_functions = True
-    coarse = True
     options = tuple(OPTIONS)
     samples: int
     sample_bits: int
@@ -110,14 +108,13 @@ class TableGraph(AtOnce):
         samples = networks[0].shape[0]
         hidden, outputs, constant = _tabled(network, samples, options)
         moved = SIGNAL.width - options["output_bits"]
-        prefix = f"{variant}_" if variant else ""
-        adders = options["adders_per_clock"], options["adder_operands"]
+        adders = {key: options[key] for key in ("adders_per_clock", "adder_operands")}
         hidden_fmt = Fix(options["hidden_bits"], 0)
         return cls(
             samples,
             options["sample_bits"],
-            *_added(hidden, hidden_fmt, f"{prefix}hidden", adders, dropped=GUARD),
-            *_added(outputs, SIGNAL, f"{prefix}outputs", adders, moved=moved),
+            *_added(hidden, hidden_fmt, "hidden", adders, dropped=GUARD),
+            *_added(outputs, SIGNAL, "outputs", adders, moved=moved),
             bounds=tuple(one.error for one in outputs),
             useless_nodes=len(network.hidden) - len(hidden) - constant,
             constant_nodes=constant,
@@ -149,9 +146,6 @@ class TableGraph(AtOnce):
     def latency(self) -> int:
         # The words of a table stand in registers.
         return 1 + self.hidden.latency + 1 + self.output.latency
-
-    def parts(self) -> tuple[Block, ...]:
-        return self.hidden, self.output, *([self.argmax] if self.argmax else [])
 
     def hidden_words(self, frames: Codes) -> Codes:
         """What the tables of samples give, shape (frames, tables)."""
@@ -248,7 +242,7 @@ def _added(
     sums: Sequence[TableSum],
     out_fmt: Fix,
     variant: str,
-    adders: tuple[int, int],
+    adders: Mapping[str, Any],
     dropped: int = 0,
     moved: int = 0,
 ) -> tuple[tuple[SmallTable, ...], ConstantMatrix]:
@@ -263,7 +257,6 @@ def _added(
         end = start + len(one.tables)
         rows.append(tuple((start <= n < end) << moved for n in range(len(tables))))
         start = end
-    clock, operands = adders
     matrix = ConstantMatrix(
         Fix(max(2, *(table.width for table in tables)), 0),
         out_fmt,
@@ -271,11 +264,9 @@ def _added(
         tuple(one.constant << moved for one in sums),
         dropped,
         dropped,
-        clock,
-        (),
-        tuple(table.ends for table in tables),
-        operands,
+        in_ends=tuple(table.ends for table in tables),
         variant=variant,
+        **adders,
     )
     return tables, matrix
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain
 from typing import Any, Self
 
 import numpy as np
@@ -26,27 +25,21 @@ LEAST = 2.0**-10
 
 @dataclass(frozen=True)
 class Curve:
-    """``sum over n of weights[n] * functions[n](gains[n] * x + shifts[n])``."""
+    """The sum of ``weight * function(gain * x + shift)`` over its terms, which are these four."""
 
-    weights: tuple[float, ...]
-    gains: tuple[float, ...]
-    shifts: tuple[float, ...]
-    functions: tuple[Function, ...]
+    terms: tuple[tuple[float, float, float, Function], ...]
 
     def at(self, x: Real) -> Real:
         """The curve at each x."""
         found: Real = np.zeros_like(x)
-        for weight, gain, shift, function in zip(
-            self.weights, self.gains, self.shifts, self.functions, strict=True
-        ):
+        for weight, gain, shift, function in self.terms:
             found = found + weight * function.value(gain * x + shift)
         return found
 
     @property
     def steepest(self) -> float:
         """A bound on its slope."""
-        parts = zip(self.weights, self.gains, self.functions, strict=True)
-        return sum(abs(weight * gain) * _steepest(function) for weight, gain, function in parts)
+        return sum(abs(w * gain) * _steepest(function) for w, gain, _, function in self.terms)
 
 
 @dataclass(frozen=True)
@@ -122,18 +115,15 @@ def function_sums(
 
 def beside(networks: Sequence[FunctionSums]) -> FunctionSums:
     """Networks of the same inputs as one; each output is of the hidden sums of its own network."""
+    hidden: list[FunctionSum] = []
     outputs = []
-    start = 0
     for network in networks:
         for one in network.outputs:
-            curves = {start + h: curve for h, curve in one.curves.items()}
+            curves = {len(hidden) + h: curve for h, curve in one.curves.items()}
             outputs.append(FunctionSum(curves, one.constant))
-        start += len(network.hidden)
-    hidden, ranges = (
-        tuple(chain.from_iterable(getattr(network, name) for network in networks))
-        for name in ("hidden", "ranges")
-    )
-    return FunctionSums(hidden, ranges, tuple(outputs))
+        hidden += network.hidden
+    ranges = tuple(ends for network in networks for ends in network.ranges)
+    return FunctionSums(tuple(hidden), ranges, tuple(outputs))
 
 
 def learned(network: DenseNetwork) -> bool:
@@ -147,13 +137,16 @@ def learned(network: DenseNetwork) -> bool:
 
 def _curve(layer: Dense, nodes: list[int], weights: list[float], source: int | None) -> Curve:
     """What some nodes add to a sum. With ``source`` None their own sum is the variable."""
-    gains = [1.0 if source is None else float(layer.weights[k, source]) for k in nodes]
-    shifts = [0.0 if source is None else float(layer.biases[k]) for k in nodes]
     return Curve(
-        tuple(weights[k] for k in nodes),
-        tuple(gains),
-        tuple(shifts),
-        tuple(layer.functions[k] for k in nodes),
+        tuple(
+            (
+                weights[k],
+                1.0 if source is None else float(layer.weights[k, source]),
+                0.0 if source is None else float(layer.biases[k]),
+                layer.functions[k],
+            )
+            for k in nodes
+        )
     )
 
 

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
@@ -72,9 +71,6 @@ class Windowed(Around):
     def input_controller(self) -> InputController:
         """Judges frames as the frame window does. It is not built."""
         return self.frame_window.input_controller
-
-    def parts(self) -> tuple[Block, ...]:
-        return (self.frame_window, self.network)
 
     def left_out(self) -> list[str]:
         counter = f"{self.frame_window.entity}: the counter that keeps frames apart"

@@ -132,7 +132,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
             f"{place}: got {', '.join(options)} with design {design.block!r}, expected none: its "
             f"{activation} has one form"
         )
-    if scheme.half_codes and not design.half_codes:
+    if scheme.half_codes and not design.known_activations:
         fitting = ", ".join(
             name
             for name, other in SCHEMES.items()

@@ -134,7 +134,7 @@ class Sized:
 
     @property
     def coarse(self) -> bool:
-        return DESIGNS[self.candidate.design].coarse
+        return DESIGNS[self.candidate.design].learned_functions
 
     @property
     def kind(self) -> str:
@@ -214,7 +214,7 @@ def known(design: str, precision: Precision) -> list[str]:
         name
         for name in dict.fromkeys(names)
         if precision in SCHEMES[name].precisions
-        and (made.half_codes or not SCHEMES[name].half_codes)
+        and (made.known_activations or not SCHEMES[name].half_codes)
     ] or names
 
 

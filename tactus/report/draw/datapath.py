@@ -2,7 +2,7 @@
 
 import atexit
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
 from html import escape
 
@@ -68,7 +68,7 @@ class _Diagram:
     def block(self, same: Sequence[Block]) -> Ends:
         """One box for blocks of one kind that work side by side."""
         flow = same[0].flow() if len(same) == 1 else None
-        drawn = set() if flow is None else {block.entity for block in _blocks(flow)}
+        drawn = set() if flow is None else {block.entity for block in flow.blocks}
         rest = [part for block in same for part in block.parts() if part.entity not in drawn]
         inside = [part for one in rest for part in walk(one)]
         label = _said(same)
@@ -132,18 +132,6 @@ class _Diagram:
 
 def _wire(wire: Wire) -> list[str]:
     return [wire.what, f"{wire.form} bits" if isinstance(wire.form, int) else str(wire.form)]
-
-
-def _blocks(flow: Flow) -> Iterator[Block]:
-    """The blocks that a flow names."""
-    for step in (*flow.steps, flow.watcher):
-        match step:
-            case Replicated(blocks) | SideBySide(blocks):
-                yield from blocks
-            case WithController(controller, block):
-                yield from (controller, block)
-            case Block():
-                yield step
 
 
 def _said(same: Sequence[Block]) -> list[str]:

@@ -47,7 +47,7 @@ class Edge:
     def form(self) -> str:
         if self.curve is None:
             return "flat"
-        return "straight" if all(one == ITSELF for one in self.curve.functions) else "curved"
+        return "straight" if all(one == ITSELF for *_, one in self.curve.terms) else "curved"
 
     @property
     def values(self) -> Real:
