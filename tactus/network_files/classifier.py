@@ -5,16 +5,17 @@ or the sign of the only one. So a network ends in front of them, and the operato
 followed to find the labels.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from golden.input_error import InputError
 from tactus.network_files.parsed import Ending, Label
-from tactus.network_files.quantisers import Refuse, attributes_of
+from tactus.network_files.quantisers import attributes_of
 
 BEGINNINGS = ("Softmax", "LogSoftmax", "ArgMax")
+NAMING = ("ArrayFeatureExtractor", "Gather")
 DOMAINS = ("", "ai.onnx", "ai.onnx.ml")
 
 
@@ -51,80 +52,13 @@ def begins(node: Any, later: Sequence[Any]) -> bool:
     return node.op_type in BEGINNINGS
 
 
-@dataclass
-class _End:
-    """The values found so far, by name, and the labels."""
-
-    kinds: dict[str, int]
-    constants: dict[str, Any]
-    refuse: Refuse
-    width: int
-    labels: tuple[Label, ...] = ()
-
-    def step(self, node: Any) -> None:
-        if node.op_type not in STEPS or node.domain not in DOMAINS:
-            raise self.refuse(
-                node,
-                f"not supported in the end of a classifier, expected one of {', '.join(STEPS)}",
-            )
-        takes, gives = STEPS[node.op_type]
-        read = [self.kinds[name] for name in node.input if name in self.kinds]
-        if not read or read[0] not in takes or len(node.output) != 1:
-            raise self.refuse(node, "stands at a wrong place in the end of a classifier")
-        self._check(node, read)
-        self.kinds[node.output[0]] = read[0] if gives is None else gives
-
-    def _check(self, node: Any, read: list[int]) -> None:
-        """Refuse what could change which class it is."""
-        attributes = attributes_of(node)
-        kind = node.op_type
-        axis = attributes.get("axis", 0 if kind == "ArgMax" else 1)
-        if kind in (*BEGINNINGS, "Concat") and axis not in (1, -1):
-            raise self.refuse(node, f"got axis {axis}, expected 1, along the values of a frame")
-        if kind in BEGINNINGS and read == [VALUES] and self.width < 2:
-            raise self.refuse(node, f"takes {self.width} value, expected one for each class")
-        if kind == "ArgMax" and attributes.get("select_last_index", 0):
-            raise self.refuse(node, "select_last_index=1, expected 0, the first of equal values")
-        if kind == "Sigmoid" and self.width != 1:
-            raise self.refuse(
-                node,
-                f"makes probabilities of {self.width} classes that may hold at once, expected "
-                "classes of which one holds",
-            )
-        if kind == "Sub" and np.ravel(self.constants.get(node.input[0], 0)).tolist() != [1]:
-            raise self.refuse(node, "expected 1 minus the probability")
-        if kind == "Concat" and read != [FIRST, SECOND]:
-            raise self.refuse(node, "expected the probabilities of both classes, in their order")
-        if kind in ("ArrayFeatureExtractor", "Gather"):
-            if node.input[0] not in self.constants:
-                raise self.refuse(node, f"reads {node.input[0]!r}, expected constant labels")
-            self._name(node, self.constants[node.input[0]])
-        elif kind == "ZipMap":
-            named = [v for k, v in attributes.items() if k.startswith("classlabels")]
-            self._name(node, [value for several in named for value in several])
-
-    def _name(self, node: Any, values: Any) -> None:
-        """Take labels, which must be as many as the classes and the same wherever they are."""
-        labels = tuple(map(_label, np.ravel(np.asarray(values, dtype=object)).tolist()))
-        classes = max(self.width, 2)
-        if len(labels) != classes:
-            raise self.refuse(node, f"got {len(labels)} labels, expected {classes}")
-        if self.labels and labels != self.labels:
-            raise self.refuse(node, f"got the labels {labels}, expected {self.labels} as before")
-        self.labels = labels
-
-
-def _label(value: Any) -> Label:
-    return value.decode() if isinstance(value, bytes) else value
-
-
 def followed(
     nodes: Sequence[Any],
     start: str,
     outputs: Sequence[str],
     constants: dict[str, Any],
     width: int,
-    refuse: Refuse,
+    refuse: Callable[[str, Any], InputError],
 ) -> Ending:
     """Follow the operators behind a network to the outputs of the graph.
 
@@ -135,10 +69,63 @@ def followed(
     width: How many values the network gives.
     refuse: Makes the error about a node.
     """
-    end = _End({start: VALUES}, constants, refuse, width)
+    kinds, found = {start: VALUES}, tuple[Label, ...]()
     for node in nodes:
-        end.step(node)
+        if node.op_type not in STEPS or node.domain not in DOMAINS:
+            expected = f"expected one of {', '.join(STEPS)}"
+            raise refuse(f"not supported in the end of a classifier, {expected}", node)
+        takes, gives = STEPS[node.op_type]
+        read = [kinds[name] for name in node.input if name in kinds]
+        if not read or read[0] not in takes or len(node.output) != 1:
+            raise refuse("stands at a wrong place in the end of a classifier", node)
+        if fault := _fault(node, read, constants, width):
+            raise refuse(fault, node)
+        labels = _labels(node, constants)
+        if labels is not None and len(labels) != max(width, 2):
+            raise refuse(f"got {len(labels)} labels, expected {max(width, 2)}", node)
+        if labels and found and labels != found:
+            raise refuse(f"got the labels {labels}, expected {found} as before", node)
+        found = labels or found
+        kinds[node.output[0]] = read[0] if gives is None else gives
     for name in outputs:
-        if name not in end.kinds and name not in constants:
-            raise refuse(nodes[-1], f"gives no output {name!r} of the graph")
-    return Ending(nodes[0].op_type, end.labels)
+        if name not in kinds and name not in constants:
+            raise refuse(f"gives no output {name!r} of the graph", nodes[-1])
+    return Ending(nodes[0].op_type, found)
+
+
+def _fault(node: Any, read: list[int], constants: dict[str, Any], width: int) -> str:
+    """Why an operator could change which class it is, or not tell it; empty if it does neither."""
+    kind, attributes = node.op_type, attributes_of(node)
+    axis = attributes.get("axis", 0 if kind == "ArgMax" else 1)
+    if kind in (*BEGINNINGS, "Concat") and axis not in (1, -1):
+        return f"got axis {axis}, expected 1, along the values of a frame"
+    if kind in BEGINNINGS and read == [VALUES] and width < 2:
+        return f"takes {width} value, expected one for each class"
+    if kind == "ArgMax" and attributes.get("select_last_index", 0):
+        return "select_last_index=1, expected 0, the first of equal values"
+    if kind == "Sigmoid" and width != 1:
+        return (
+            f"makes probabilities of {width} classes that may hold at once, expected classes of "
+            "which one holds"
+        )
+    if kind == "Sub" and np.ravel(constants.get(node.input[0], 0)).tolist() != [1]:
+        return "expected 1 minus the probability"
+    if kind == "Concat" and read != [FIRST, SECOND]:
+        return "expected the probabilities of both classes, in their order"
+    if kind in NAMING and node.input[0] not in constants:
+        return f"reads {node.input[0]!r}, expected constant labels"
+    return ""
+
+
+def _labels(node: Any, constants: dict[str, Any]) -> tuple[Label, ...] | None:
+    """The labels of the classes that an operator holds; None if it holds none."""
+    values: Any = None
+    if node.op_type in NAMING:
+        values = constants[node.input[0]]
+    elif node.op_type == "ZipMap":
+        named = [v for k, v in attributes_of(node).items() if k.startswith("classlabels")]
+        values = [value for several in named for value in several]
+    if values is None:
+        return None
+    labels = np.ravel(np.asarray(values, dtype=object)).tolist()
+    return tuple(one.decode() if isinstance(one, bytes) else one for one in labels)

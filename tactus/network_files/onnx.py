@@ -101,9 +101,10 @@ OPSET, IR_VERSION = 13, 7
 class _Chain:
     """The layers found so far, from the graph's input onwards."""
 
-    def __init__(self, path: Path, output: str):
+    def __init__(self, path: Path):
         self.path = path
-        self.output = output
+        # The operator that is read.
+        self.node: Any = None
         # What follows may still change the last of them.
         self.layers: list[ParsedLayer] = []
         # Whether the last one has its activation.
@@ -117,56 +118,58 @@ class _Chain:
         # The functions of activations that are tables, by name.
         self.functions: dict[str, Function] = {}
 
-    def refuse(self, node: Any, reason: str) -> InputError:
+    def refuse(self, reason: str, node: Any = None) -> InputError:
+        """The error about an operator, which is the one that is read if no other is given."""
+        node = self.node if node is None else node
         place = f"behind layer {len(self.layers)}: " if self.layers else ""
         return InputError(f"{self.path}: {place}operator {node.op_type} ({node.name!r}): {reason}")
 
-    def width(self, node: Any) -> int:
+    def width(self) -> int:
         if not self.layers:
-            raise self.refuse(node, "stands in front of every layer, expected it behind the last")
+            raise self.refuse("stands in front of every layer, expected it behind the last")
         return len(self.layers[-1].biases)
 
-    def linear(self, node: Any, weights: Real, bias: Real) -> None:
+    def linear(self, weights: Real, bias: Real) -> None:
         """Add a layer, into which the scaling before it is folded."""
         width = weights.shape[1]
-        if self.layers and width != self.width(node):
-            given = self.width(node)
+        if self.layers and width != self.width():
+            given = self.width()
             hint = "; they are transposed" if len(weights) == given else ""
             raise self.refuse(
-                node, f"got weights of {width} values, expected {given}, as many as come{hint}"
+                f"got weights of {width} values, expected {given}, as many as come{hint}"
             )
         if self.first:
             quantiser, factor, shift = self.first
             self.first = None
             behind, (self.factor, self.shift) = (self.factor, self.shift), (factor, shift)
-            self.linear(node, np.eye(width), np.zeros(width))
-            self.quantise(node, quantiser)
+            self.linear(np.eye(width), np.zeros(width))
+            self.quantise(quantiser)
             self.factor, self.shift = behind
-        factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
+        factor, shift = (self.wide(v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
         self.layers.append(ParsedLayer(weights * factor, shifted(bias, weights, shift)))
         self.activated = False
 
-    def activate(self, node: Any, activation: str, leak: float) -> None:
+    def activate(self, activation: str, leak: float) -> None:
         if not self.layers or self.activated:
             where = "behind another activation" if self.layers else "in front of every layer"
-            raise self.refuse(node, f"stands {where}, expected it behind a Gemm or MatMul")
+            raise self.refuse(f"stands {where}, expected it behind a Gemm or MatMul")
         if not 0 <= leak <= 1:
-            raise self.refuse(node, f"got the slope {leak:g} below 0, expected 0 to 1")
+            raise self.refuse(f"got the slope {leak:g} below 0, expected 0 to 1")
         self.layers[-1].activation, self.layers[-1].leak = activation, leak
         self.activated = True
 
-    def look_up(self, node: Any, function: Function) -> None:
+    def look_up(self, function: Function) -> None:
         if self.functions.get(function.name, function) != function:
             # The same operator with other attributes.
             function = replace(function, name=f"{function.name}_{len(self.layers)}")
         self.functions[function.name] = function
-        self.activate(node, TABLE + function.name, LEAK)
+        self.activate(TABLE + function.name, LEAK)
 
-    def quantise(self, node: Any, quantiser: Quantiser) -> None:
+    def quantise(self, quantiser: Quantiser) -> None:
         """The quantiser behind the last layer; of samples it becomes a layer of its own."""
         if self.first or (self.layers and self.layers[-1].quantiser):
-            raise self.refuse(node, "stands behind another quantiser, expected a layer between")
+            raise self.refuse("stands behind another quantiser, expected a layer between")
         if not self.layers:
             self.first = quantiser, self.factor, self.shift
             self.factor, self.shift = np.ones(1), np.zeros(1)
@@ -174,30 +177,30 @@ class _Chain:
         self.layers[-1].quantiser = quantiser
         self.activated = True
 
-    def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
+    def elementwise(self, factor: Real, shift: Real) -> None:
         """Multiply each value by its factor, and add its shift."""
         if self.layers and not self.activated:
             layer = self.layers[-1]
-            factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
+            factor, shift = (self.wide(v, len(layer.biases)) for v in (factor, shift))
             layer.weights = layer.weights * factor[:, np.newaxis]
             layer.biases = layer.biases * factor + shift
         else:
             width = max(len(v) for v in (self.factor, self.shift, factor, shift))
-            old, before = (self.wide(node, v, width) for v in (self.factor, self.shift))
-            factor, shift = (self.wide(node, v, width) for v in (factor, shift))
+            old, before = (self.wide(v, width) for v in (self.factor, self.shift))
+            factor, shift = (self.wide(v, width) for v in (factor, shift))
             self.factor, self.shift = old * factor, before * factor + shift
 
-    def finish(self, node: Any) -> None:
+    def finish(self) -> None:
         """Behind an activation at the end, a linear layer of what scales its values."""
         last = self.layers[-1] if self.layers else None
         if last and (last.activation != "linear" or last.quantiser):
             nodes = len(last.biases)
-            self.linear(node, np.eye(nodes), np.zeros(nodes))
+            self.linear(np.eye(nodes), np.zeros(nodes))
 
-    def wide(self, node: Any, values: Real, width: int) -> Real:
+    def wide(self, values: Real, width: int) -> Real:
         """One value for each of ``width`` inputs or outputs."""
         if len(values) not in (1, width):
-            raise self.refuse(node, f"got {len(values)} values, expected 1 or {width}")
+            raise self.refuse(f"got {len(values)} values, expected 1 or {width}")
         return np.broadcast_to(values, width)
 
 
@@ -222,18 +225,19 @@ def read(path: Path) -> ParsedNetwork:
     # Some exporters write -1 for any number of frames.
     shape = [dim.dim_value for dim in taken.type.tensor_type.shape.dim]
     _check_sizes(path, f"input {taken.name!r}", shape, shape[1:])
-    chain = _Chain(path, graph.output[0].name)
-    current, node, ending = inputs[0], None, None
+    chain, output = _Chain(path), graph.output[0].name
+    current, ending = inputs[0], None
     # Named before what is unusual because of them, such as an Unsqueeze of the samples.
-    for node in graph.node:
-        if node.op_type in REASONS:
-            raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
+    for chain.node in graph.node:
+        if chain.node.op_type in REASONS:
+            raise chain.refuse(f"not supported: {REASONS[chain.node.op_type]}")
     versions = {opset.domain: opset.version for opset in model.opset_import}
     for place, node in enumerate(graph.node):
+        chain.node = node
         if node.op_type == "Constant":
             value = next((a for a in node.attribute if a.name == "value"), None)
             if value is None:
-                raise chain.refuse(node, "expected a tensor as its value")
+                raise chain.refuse("expected a tensor as its value")
             constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
         if node.op_type in quantisers.OPERATORS and node.input and node.input[0] in constants:
@@ -241,22 +245,21 @@ def read(path: Path) -> ParsedNetwork:
             constants.update(dict.fromkeys(node.output, made))
             continue
         if node.input and all(name in constants for name in node.input if name):
-            constants |= _folded(chain, node, constants, versions)
+            constants |= _folded(chain, constants, versions)
             continue
         if classifier.begins(node, graph.node[place + 1 :]) and not chain.coded:
-            behind = graph.node[place:]
-            outputs = [output.name for output in graph.output]
+            behind, names = graph.node[place:], [one.name for one in graph.output]
             ending = classifier.followed(
-                behind, current, outputs, constants, chain.width(node), chain.refuse
+                behind, current, names, constants, chain.width(), chain.refuse
             )
             break
-        _step(chain, node, current, constants)
+        _step(chain, current, output, constants)
         current = node.output[0]
     if ending is None and len(graph.output) != 1:
         raise InputError(f"{counted}with one of each, or of a classifier")
-    if ending is None and current != chain.output:
-        raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
-    chain.finish(node)
+    if ending is None and current != output:
+        raise InputError(f"{path}: the output is {output!r}, expected {current!r}")
+    chain.finish()
     if not chain.layers:
         raise InputError(
             f"{path}: got no linear layer, expected one or more, {' or '.join(LINEAR)}"
@@ -264,23 +267,22 @@ def read(path: Path) -> ParsedNetwork:
     return ParsedNetwork(tuple(chain.layers), tuple(chain.functions.values()), ending)
 
 
-def _folded(
-    chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]
-) -> dict[str, Any]:
+def _folded(chain: _Chain, constants: dict[str, Any], versions: dict[str, int]) -> dict[str, Any]:
     """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
+    node = chain.node
     taken = {name: constants[name] for name in node.input if name}
     if node.op_type == "Dropout" and any(np.any(taken[name]) for name in node.input[2:] if name):
-        raise chain.refuse(node, f"not supported: {RANDOM}")
+        raise chain.refuse(f"not supported: {RANDOM}")
     if node.op_type in ("ConstantOfShape", "Expand", "Tile"):
         # The last input has the sizes, or by what they are multiplied.
         size = math.prod(np.ravel(taken[node.input[-1]]).tolist())
         if size > MOST_NUMBERS:
-            raise chain.refuse(node, f"makes {size:g} numbers, expected {MOST_NUMBERS:g} at most")
+            raise chain.refuse(f"makes {size:g} numbers, expected {MOST_NUMBERS:g} at most")
     try:
         results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
         return dict(zip(node.output, results, strict=True))
     except Exception as error:
-        raise chain.refuse(node, f"cannot be applied to its constants: {error}") from None
+        raise chain.refuse(f"cannot be applied to its constants: {error}") from None
 
 
 def _array(path: Path, tensor: Any) -> Any:
@@ -297,56 +299,63 @@ def _check_sizes(path: Path, what: str, shape: Sequence[int], sizes: Sequence[in
         raise InputError(f"{path}: {what}: got the shape {list(shape)}, expected sizes above 0")
 
 
-def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+def _step(chain: _Chain, current: str, output: str, constants: dict[str, Any]) -> None:
+    """Take the operator at which the chain is into it."""
+    node = chain.node
     if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
-        _quantise(chain, node, current, constants)
+        _quantise(chain, current, constants)
         return
     if chain.coded:
-        raise chain.refuse(node, "takes the codes of a QuantizeLinear, expected DequantizeLinear")
+        raise chain.refuse("takes the codes of a QuantizeLinear, expected DequantizeLinear")
     domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
     if node.op_type not in OPERATORS or node.domain not in domains:
-        raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
+        raise chain.refuse(f"not supported, expected one of {', '.join(OPERATORS)}")
     used = [name for name in node.input if name]
     if len(used) not in OPERATORS[node.op_type] or len(node.output) != 1:
         expected = " or ".join(str(count) for count in OPERATORS[node.op_type])
         raise chain.refuse(
-            node,
             f"got {len(used)} inputs and {len(node.output)} outputs, expected {expected} and 1",
         )
     if current not in used:
-        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+        raise chain.refuse(f"does not read {current!r}; expected a chain without branches")
     others = [name for name in used if name != current]
     missing = [name for name in others if name not in constants]
     if missing or used.count(current) != 1:
-        raise chain.refuse(
-            node, f"reads {missing or current!r}, expected constants beside {current!r}"
-        )
+        raise chain.refuse(f"reads {missing or current!r}, expected constants beside {current!r}")
     values = [real_numbers(chain.path, name, constants[name]) for name in others]
     attributes = quantisers.attributes_of(node)
     for name, value in attributes.items():
         if name in ATTRIBUTES and not isinstance(value, ATTRIBUTES[name]):
-            raise chain.refuse(node, f"got {name} of another type, expected numbers")
+            raise chain.refuse(f"got {name} of another type, expected numbers")
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
-            raise chain.refuse(node, "expected the data first and a matrix of weights second")
+            raise chain.refuse("expected the data first and a matrix of weights second")
         if attributes.get("transA", 0):
-            raise chain.refuse(node, "transA=1, expected 0")
+            raise chain.refuse("transA=1, expected 0")
         weights = values[0] * attributes.get("alpha", 1.0)
         weights = weights if attributes.get("transB", 0) else weights.T
-        bias = _row(chain, node, values[1]) if len(values) > 1 else np.zeros(1)
-        bias = chain.wide(node, bias * attributes.get("beta", 1.0), len(weights))
-        chain.linear(node, weights, bias)
+        bias = _row(chain, values[1]) if len(values) > 1 else np.zeros(1)
+        bias = chain.wide(bias * attributes.get("beta", 1.0), len(weights))
+        chain.linear(weights, bias)
     elif node.op_type in ELEMENTWISE:
-        chain.elementwise(node, *_factor_and_shift(chain, node, current, values, attributes))
+        chain.elementwise(*_factor_and_shift(chain, current, values, attributes))
     elif node.op_type in ACTIVATIONS:
-        _check_ends(chain, node, constants, attributes)
+        if node.op_type == "Clip":
+            names = [*node.input[1:], "", ""]
+            named = [
+                constants[n] if n else attributes.get(k)
+                for n, k in zip(names, ("min", "max"), strict=False)
+            ]
+            low, high = (None if v is None else np.ravel(v).tolist() for v in named)
+            if (low, high) != ([-1.0], [1.0]):
+                raise chain.refuse(f"got the ends {low} and {high}, expected -1 and 1: a hard tanh")
         leak = attributes.get("alpha", LEAK)
         if node.op_type == "PRelu":
             slopes = np.unique(values[0])
             if slopes.size != 1:
-                raise chain.refuse(node, f"got {slopes.size} slopes, expected one for all nodes")
+                raise chain.refuse(f"got {slopes.size} slopes, expected one for all nodes")
             leak = float(slopes[0])
-        chain.activate(node, ACTIVATIONS[node.op_type], leak)
+        chain.activate(ACTIVATIONS[node.op_type], leak)
     elif node.op_type in EXPRESSIONS:
         expression, usual = EXPRESSIONS[node.op_type], DEFAULTS.get(node.op_type, {})
         if node.op_type == "Gelu" and attributes.get("approximate") == "tanh":
@@ -354,37 +363,38 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         own = {name: attributes.get(name, value) for name, value in usual.items()}
         with naming(f"{chain.path}: operator {node.op_type} ({node.name!r})"):
             function = Function(node.op_type.lower(), expression.format(**own))
-        chain.look_up(node, function)
+        chain.look_up(function)
     elif node.op_type == "Cast":
         kinds = {number: name for name, number in TensorProto.DataType.items()}
         kind = kinds.get(attributes.get("to"), "nothing")
         if kind not in FLOATS:
-            raise chain.refuse(node, f"to {kind}, expected one of {', '.join(FLOATS)}")
+            raise chain.refuse(f"to {kind}, expected one of {', '.join(FLOATS)}")
     elif node.op_type == "Flatten":
         if attributes.get("axis", 1) not in (1, -1):
-            raise chain.refuse(node, f"got axis {attributes['axis']}, expected 1")
+            raise chain.refuse(f"got axis {attributes['axis']}, expected 1")
     elif node.op_type == "Reshape":
         # skl2onnx ends with a column of all results, whatever the number of outputs. The values and
         # their order stay the same.
         width = len(chain.layers[-1].biases) if chain.layers else None
-        shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
+        shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == output else [])
         shape = np.asarray(constants[others[0]]).tolist()
         if shape not in shapes:
-            raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
+            raise chain.refuse(f"to {shape}, expected one of {shapes}")
 
 
-def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+def _quantise(chain: _Chain, current: str, constants: dict[str, Any]) -> None:
     """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
+    node = chain.node
     if node.input[:1] != [current]:
-        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+        raise chain.refuse(f"does not read {current!r}; expected a chain without branches")
     if node.op_type == quantisers.BIPOLAR:
         two, half = quantisers.bipolar(node, constants, chain.refuse)
-        chain.quantise(node, two)
-        chain.elementwise(node, np.ones(1), np.array([half]))
+        chain.quantise(two)
+        chain.elementwise(np.ones(1), np.array([half]))
         return
     if node.op_type != quantisers.DEQUANTIZE:
         quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
-        chain.quantise(node, quantiser)
+        chain.quantise(quantiser)
         chain.coded = quantiser if node.op_type == quantisers.QUANTIZE else None
         return
     before, chain.coded = chain.coded, None
@@ -395,42 +405,26 @@ def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any])
         or not (np.all(scale == np.float32(before.scale)) or np.all(scale == before.scale))
         or not np.all(place == before.zero)
     ):
-        raise chain.refuse(node, "expected the scale and zero point of a QuantizeLinear before it")
-
-
-def _check_ends(
-    chain: _Chain, node: Any, constants: dict[str, Any], attributes: dict[str, Any]
-) -> None:
-    """Refuse a Clip that does not end at -1 and 1."""
-    if node.op_type != "Clip":
-        return
-    ends = []
-    for place, name in enumerate(("min", "max"), start=1):
-        held = node.input[place] if len(node.input) > place else ""
-        value = constants[held] if held else attributes.get(name)
-        ends.append(None if value is None else np.ravel(value).tolist())
-    if ends != [[-1.0], [1.0]]:
-        raise chain.refuse(
-            node, f"got the ends {ends[0]} and {ends[1]}, expected -1 and 1: a hard tanh"
-        )
+        raise chain.refuse("expected the scale and zero point of a QuantizeLinear before it")
 
 
 def _factor_and_shift(
-    chain: _Chain, node: Any, current: str, values: list[Real], attributes: dict[str, Any]
+    chain: _Chain, current: str, values: list[Real], attributes: dict[str, Any]
 ) -> tuple[Real, Real]:
     """The factor and the shift by which an operator changes each value by itself."""
+    node = chain.node
     if node.op_type == "Scaler":
         offset, scale = (np.array(attributes.get(key, [])) for key in ("offset", "scale"))
         if not offset.size or not scale.size:
-            raise chain.refuse(node, "expected the attributes offset and scale")
+            raise chain.refuse("expected the attributes offset and scale")
         return scale, -offset * scale
     if node.op_type == "BatchNormalization":
         if attributes.get("training_mode", 0) or node.input[0] != current:
-            raise chain.refuse(node, "expected it as it is after training, with the data first")
-        gain, offset, mean, variance = (_row(chain, node, v) for v in values)
+            raise chain.refuse("expected it as it is after training, with the data first")
+        gain, offset, mean, variance = (_row(chain, v) for v in values)
         factor = gain / np.sqrt(variance + attributes.get("epsilon", 1e-5))
         return factor, offset - mean * factor
-    value = _row(chain, node, values[0])
+    value = _row(chain, values[0])
     first = node.input[0] == current
     if node.op_type == "Add":
         return np.ones(1), value
@@ -439,14 +433,14 @@ def _factor_and_shift(
     if node.op_type == "Mul":
         return value, np.zeros(1)
     if not first or not value.all():
-        raise chain.refuse(node, "expected the data first, divided by numbers other than 0")
+        raise chain.refuse("expected the data first, divided by numbers other than 0")
     return 1 / value, np.zeros(1)
 
 
-def _row(chain: _Chain, node: Any, values: Real) -> Real:
+def _row(chain: _Chain, values: Real) -> Real:
     """A constant that holds one number for each value of a frame, or one number for all."""
     if values.size != 1 and values.shape[-1] != values.size:
-        raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
+        raise chain.refuse(f"got a constant of shape {values.shape}, expected one row")
     return values.ravel()
 
 

@@ -21,7 +21,7 @@ INPUTS = {QUANT: (3, 3), BIPOLAR: (1, 1), QUANTIZE: (1, 2), DEQUANTIZE: (1, 2)}
 DOMAINS = ("", "ai.onnx", "qonnx.custom_op.general", "onnx.brevitas", "finn.custom_op.general")
 ROUNDINGS = {"ROUND": "even", "HALF_EVEN": "even", "HALF_UP": "away", "FLOOR": "floor"}
 
-Refuse = Callable[[Any, str], InputError]
+Refuse = Callable[[str], InputError]
 
 
 def attributes_of(node: Any) -> dict[str, Any]:
@@ -35,7 +35,7 @@ def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any
     names = list(node.input[1:])
     missing = [name for name in names if name and name not in constants]
     if missing or not INPUTS[node.op_type][0] <= len(names) <= INPUTS[node.op_type][1]:
-        raise refuse(node, f"got {len(names)} inputs behind the data, expected constants")
+        raise refuse(f"got {len(names)} inputs behind the data, expected constants")
     return [np.asarray(constants[name]) if name else None for name in names]
 
 
@@ -43,7 +43,7 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
     """The quantiser of a Quant or a QuantizeLinear in the chain of layers."""
     scale, zero, *more = parameters(node, constants, refuse)
     if any(np.size(value) != 1 for value in (scale, zero, *more) if value is not None):
-        raise refuse(node, "got a scale or a zero point for each value, expected one for all")
+        raise refuse("got a scale or a zero point for each value, expected one for all")
     low, high = _ends(node, zero, more, refuse)
     rounding, place = _rounding(node, refuse), _whole(node, zero, refuse).item()
     try:
@@ -51,7 +51,7 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
             float(scale.item()), int(place), low, high, rounding, node.op_type != QUANT
         )
     except InputError as error:
-        raise refuse(node, str(error)) from None
+        raise refuse(str(error)) from None
 
 
 def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quantiser, float]:
@@ -62,18 +62,18 @@ def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quant
     """
     (scale,) = parameters(node, constants, refuse)
     if np.size(scale) != 1:
-        raise refuse(node, "got a scale for each value, expected one for all")
+        raise refuse("got a scale for each value, expected one for all")
     half = float(scale.item())
     try:
         return Quantiser(2 * half, 0, -1, 0, "floor"), half
     except InputError as error:
-        raise refuse(node, str(error)) from None
+        raise refuse(str(error)) from None
 
 
 def _rounding(node: Any, refuse: Refuse) -> str:
     mode = attributes_of(node).get("rounding_mode", "ROUND").upper()
     if mode not in ROUNDINGS:
-        raise refuse(node, f"got the rounding mode {mode}, expected one of {', '.join(ROUNDINGS)}")
+        raise refuse(f"got the rounding mode {mode}, expected one of {', '.join(ROUNDINGS)}")
     return ROUNDINGS[mode]
 
 
@@ -82,7 +82,7 @@ def _whole(node: Any, zero: Any, refuse: Refuse) -> Any:
     places = np.asarray(0 if zero is None else zero, dtype=np.float64)
     wrong = places[places % 1 != 0]
     if wrong.size:
-        raise refuse(node, f"got the zero point {wrong[0]}, expected a whole number")
+        raise refuse(f"got the zero point {wrong[0]}, expected a whole number")
     return places
 
 
@@ -91,14 +91,14 @@ def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, i
         # Without a zero point the codes are unsigned bytes.
         kind = np.uint8 if zero is None else zero.dtype
         if kind.kind not in "iu" if isinstance(kind, np.dtype) else False:
-            raise refuse(node, f"got a zero point of {kind}, expected whole numbers")
+            raise refuse(f"got a zero point of {kind}, expected whole numbers")
         ends = np.iinfo(kind)
         return int(ends.min), int(ends.max)
     attributes = attributes_of(node)
     signed, narrow = (int(attributes.get(key, 0)) for key in ("signed", "narrow"))
     width = more[0].item()
     if width != int(width) or not 1 <= width <= 32:
-        raise refuse(node, f"got {width} bits, expected a whole number from 1 to 32")
+        raise refuse(f"got {width} bits, expected a whole number from 1 to 32")
     half = 1 << (int(width) - 1)
     return (narrow - half, half - 1) if signed else (0, 2 * half - 1 - narrow)
 
@@ -111,7 +111,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
     if node.op_type == DEQUANTIZE:
         return (values.astype(np.float64) - place) * factor
     if not (np.isfinite(factor).all() and (factor > 0).all()):
-        raise refuse(node, "got a scale that is not above 0")
+        raise refuse("got a scale that is not above 0")
     if node.op_type == BIPOLAR:
         return np.where(values >= 0, factor, -factor)
     low, high = _ends(node, zero, more, refuse)
