@@ -26,6 +26,7 @@ from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import Scene, load_scene
+from tactus.scene.disturbance import Disturbance
 from tactus.train import few_digits, search
 from tactus.train.few_digits import Rounding, growth, importance_of, selected
 from tactus.train.objective import Objective, Rows
@@ -276,10 +277,11 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     assert counts[1] < full
 
 
-@pytest.mark.all_only
-def test_held_out_rows_take_no_part(small_scene: Scene) -> None:
+@pytest.mark.parametrize("digits", [pytest.param(30, marks=pytest.mark.all_only), 0])
+def test_held_out_rows_take_no_part(small_scene: Scene, digits: int) -> None:
     """If their readings and targets are replaced, only the written network may change."""
-    scene = asking(small_scene, 30, refit=True)
+    noise = Disturbance(noise=0.002)
+    scene = asking(small_scene, digits, refit=True, steps=30, disturbance=noise)
     split = task_for(scene, scene.vectors(), []).split
     found = []
     for moved in (False, True):

@@ -76,26 +76,23 @@ def test_a_line_that_is_cut_is_told(hardware: Scene, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
-    [(b"", "is the bitstream loaded, and are TX and RX crossed"), (b"x" * 99, "bytes are part of")],
+    ("change", "said"),
+    [
+        ({"read": lambda: b""}, "no packet for 0.01 s: is the bitstream loaded, and are TX and RX"),
+        ({"read": lambda: b"x" * 99}, "no packet for 0.01 s: .*bytes are part of"),
+        (
+            {"write": lambda data: None},
+            "the image was sent, but no new frame .* carry frame_error: is RX connected",
+        ),
+    ],
 )
-def test_a_board_that_sends_no_packet_is_told(
-    hardware: Scene, monkeypatch, data: bytes, said: str
+def test_a_board_that_is_not_heard_or_hears_nothing_is_told(
+    hardware: Scene, monkeypatch, change: dict, said: str
 ) -> None:
-    board, line = Board(hardware, hardware), TwinBoard(hardware)
-    monkeypatch.setattr(line, "read", lambda: data)
-    monkeypatch.setattr(line, "patience", 0.01)
-    with pytest.raises(InputError, match=f"PORT=twin: no packet for 0.01 s: .*{said}"):
-        loading.load(line, board)
-
-
-def test_a_board_that_does_not_hear_the_image_is_told(hardware: Scene, monkeypatch) -> None:
-    """It goes on sending packets."""
     line = TwinBoard(hardware)
-    monkeypatch.setattr(line, "write", lambda data: None)
-    monkeypatch.setattr(line, "patience", 0.01)
-    said = "PORT=twin: the image was sent, but no new frame .* carry frame_error: is RX connected"
-    with pytest.raises(InputError, match=said):
+    for name, value in (change | {"patience": 0.01}).items():
+        monkeypatch.setattr(line, name, value)
+    with pytest.raises(InputError, match=f"PORT=twin: {said}"):
         loading.load(line, Board(hardware, hardware))
 
 

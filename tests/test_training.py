@@ -248,31 +248,6 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
         assert abs(moved.mean()) < 0.2
 
 
-def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkeypatch) -> None:
-    """If their targets are replaced, only the written network may change."""
-    scene = disturbed(load_scene("digit"), noise=0.002)
-    split_by = ("load", "width", "shape")
-    training = replace(scene.training, split="blocks", split_by=split_by, steps=30, refit=True)
-    scene = replace(scene, members=(scene.members[0],), training=training)
-    stages = Stages(scene)
-    stages.add((5,), 0)
-    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
-    split = stages.task([], 0).split
-    for row in split.test:
-        lines[1 + row][4] = "0.1"
-    moved = tmp_path / "moved.csv"
-    moved.write_text("\n".join(",".join(line) for line in lines))
-    again = Stages(replace(scene, data_paths=(moved,)))
-    # Blocks end where the load changes, which would now be elsewhere.
-    monkeypatch.setattr("tactus.train.task.split_of", lambda _: split)
-    again.add((5,), 0)
-    same = {
-        name: np.array_equal(packed(getattr(stages, name)[0]), packed(getattr(again, name)[0]))
-        for name in ("chosen", "tested", "written")
-    }
-    assert same == {"chosen": True, "tested": True, "written": False}
-
-
 @pytest.mark.parametrize("refit", [False, True])
 def test_provenance_states_split_disturbance_and_both_errors(
     small_scene: Scene, tmp_path: Path, refit: bool
