@@ -34,8 +34,7 @@ from tactus.export.exporter import export
 from tactus.scene import Scene, load_scene
 from tactus.synth import tools
 from tactus.verify.benches.runner import run_job
-from tactus.verify.sign_off.cell_models import models_for
-from tactus.verify.sign_off.netlist import on_cells, played
+from tactus.verify.sign_off.netlist import models_for, on_cells, played
 from tb.common.cases import FRONT_END, random_mlp
 
 # The scenes that are shipped for each board.

@@ -16,7 +16,7 @@ from tactus.report.page import sign_off
 from tactus.report.page.sign_off import percent
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import run_job
-from tactus.verify.sign_off.mutate import flat
+from tactus.verify.sign_off.mutate import same
 from tactus.verify.sign_off.mutate.mutants import (
     explain,
     explanations,
@@ -208,7 +208,7 @@ def test_a_selection_that_yosys_takes_out_is_an_error(tmp_path: Path, monkeypatc
     """A mutant of which the selection is gone is never taken for one that nothing reads."""
     (tmp_path / "counter.v").write_text(CHANGES)
     commands = make_mutants(["counter.v"], "counter", 1, 1, tmp_path)
-    monkeypatch.setattr(flat, "NARROWEST", 1)
+    monkeypatch.setattr(same, "NARROWEST", 1)
     with pytest.raises(InputError, match="0 elements instead of the asserted 1"):
         proved(commands, "counter", tmp_path, {})
 

@@ -28,7 +28,7 @@ from tactus.core.folders import ROOMS
 from tactus.core.progress import PAUSE, Progress, stage
 from tactus.export import exporter
 from tactus.scene import Scene, load_scene
-from tactus.verify.benches import kept_results, results
+from tactus.verify.benches import results
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.mutate import score
@@ -62,7 +62,7 @@ class Benches:
         }
         for name, fake in fakes.items():
             monkeypatch.setattr(results, name, fake)
-        monkeypatch.setattr(kept_results, "run_job", self.run)
+        monkeypatch.setattr(results, "run_job", self.run)
 
     def one_by_one(
         self, _: str, jobs: list[Job], work: Callable[[Job], Outcome], every: bool
@@ -120,7 +120,7 @@ def test_recorded_frames_are_a_part_of_benches_that_play_them(benches: Benches) 
     expected = [
         f"{job.simulator} {job.entity}"
         for job in benches.planned
-        if kept_results.asks_for_scene(kept_results.bench_modules(job.area, job.block))
+        if results.asks_for_scene(results.bench_modules(job.area, job.block))
     ]
     assert benches.ran == expected
     assert expected
@@ -160,18 +160,18 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
 def test_what_enters_a_bench_runs_it_again(benches: Benches) -> None:
     job = benches.planned[0]
     fewer = replace(job, test="recorded")
-    kept_results.run_and_keep(fewer)
-    assert kept_results.kept(fewer)
-    assert kept_results.kept(job) is None, "recorded frames alone stand for no whole bench"
-    kept_results.run_and_keep(job)
-    assert kept_results.kept(replace(job, test="another"))
+    results.run_and_keep(fewer)
+    assert results.kept(fewer)
+    assert results.kept(job) is None, "recorded frames alone stand for no whole bench"
+    results.run_and_keep(job)
+    assert results.kept(replace(job, test="another"))
     others = [replace(job, seed=2), replace(job, frames=7), replace(job, simulator="icarus")]
-    assert not any(kept_results.kept(other) for other in others)
-    assert kept_results.kept(job)
+    assert not any(results.kept(other) for other in others)
+    assert results.kept(job)
     (job.hdl_folder / FILE).write_text("as exported anew")
-    assert kept_results.kept(job) is None
+    assert results.kept(job) is None
     (job.hdl_folder / FILE).write_text("as exported")
-    assert kept_results.kept(job)
+    assert results.kept(job)
 
 
 def test_what_would_be_exported_otherwise_is_no_result(benches: Benches) -> None:
@@ -302,12 +302,12 @@ class Copy:
 
     def benches(self) -> dict[tuple[str, str], store.Key]:
         self.forget()
-        return {(job.scene.name, job.block): kept_results.bench_key(job) for job in self.jobs}
+        return {(job.scene.name, job.block): results.bench_key(job) for job in self.jobs}
 
     @staticmethod
     def forget() -> None:
         """What one process asks only once."""
-        own = (kept_results.bench_modules, kept_results._code, kept_results._reading)
+        own = (results.bench_modules, results._code, results._reading)
         for cached in (closure.file_of, closure.code_of, closure.imported_by, *own):
             cached.cache_clear()
 
@@ -349,8 +349,8 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
     asking = {
         (job.scene.name, job.block)
         for job in sources.jobs
-        for modules in [kept_results.bench_modules(job.area, job.block)]
-        if (job.scene.name == "digit-hybrid" and kept_results.asks_for_scene(modules))
+        for modules in [results.bench_modules(job.area, job.block)]
+        if (job.scene.name == "digit-hybrid" and results.asks_for_scene(modules))
         or "golden.networks.oracle" in modules
     }
     assert ("digit-hybrid", "hybrid") in asking
@@ -362,7 +362,7 @@ def test_a_change_of_a_bench_or_of_the_tools_runs_that_bench(sources: Copy, monk
     benches = sources.benches()
     sources.add("tb/layers/tb_output_controller.py", CODE)
     assert changed(benches, sources.benches()) == {("digit-hybrid", "output_controller")}
-    monkeypatch.setattr(kept_results, "_tools", lambda _: ["icarus 99"])
+    monkeypatch.setattr(results, "_tools", lambda _: ["icarus 99"])
     assert changed(benches, sources.benches()) == benches.keys()
 
 

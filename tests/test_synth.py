@@ -28,8 +28,7 @@ from tactus.synth.lean import cells
 from tactus.synth.timing import OPERANDS, read_timing, routed_netlist
 from tactus.synth.tools import digest, run_tool
 from tactus.verify.benches.runner import Job, run_job
-from tactus.verify.sign_off.cell_models import models_for
-from tactus.verify.sign_off.netlist import on_cells, played
+from tactus.verify.sign_off.netlist import models_for, on_cells, played
 from tactus.verify.sign_off.record import read_record
 from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 

@@ -20,7 +20,7 @@ from tactus.core.progress import stage
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene
 from tactus.verify.benches.blocks import check_block
 from tactus.verify.benches.collected import CASES_OF, case_scene
-from tactus.verify.benches.kept_results import run_and_keep
+from tactus.verify.benches.results import run_and_keep
 from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
 from tactus.verify.sign_off.netlist import (

@@ -9,7 +9,7 @@ it. A bench is identified by its trace and not by its text. The trace says what 
 which clocks it looked at which port, and how many results it compared. So a function that moves
 makes no record stale, but another stimulus does. Every run of a bench compares its trace with the
 records. Kept results of benches must be found before the bench runs, so their key holds the bench's
-code instead (``tactus/verify/benches/kept_results.py``).
+code instead (``tactus/verify/benches/results.py``).
 """
 
 import csv

@@ -35,7 +35,7 @@ from tactus.scene import load_scene
 from tactus.synth.tools import digest, version_of
 from tactus.verify.benches.blocks import check_block
 from tactus.verify.benches.collected import mutated_parts
-from tactus.verify.benches.kept_results import bench_key
+from tactus.verify.benches.results import bench_key
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.benches.tools import version
 from tactus.verify.sign_off.mutate.mutants import (
@@ -63,7 +63,7 @@ SAMPLE = 3
 # The modules that answers of each kind come from.
 SCRIPTS = {
     "replay": ("mutants", "replay"),
-    "same": ("mutants", "flat", "same"),
+    "same": ("mutants", "same"),
 }
 
 
