@@ -18,11 +18,12 @@ import ast
 import json
 import re
 import subprocess
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
+from tactus.core.templates import environment
 from tactus.export.exporter import compile_order
 from tactus.scene import Scene
 from tactus.verify import every_frame
@@ -66,6 +67,7 @@ def write_equality(folder: Path, top: str) -> None:
 def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Property]]:
     """Write ``properties`` below a folder that holds ``design``; the properties by entity."""
     written = []
+    template = environment("tactus.certify").get_template("questions.smt2.jinja")
     place = folder / "properties"
     place.mkdir()
     flatten: list[str] = []
@@ -86,10 +88,14 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
             )
             text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
+            # The expressions that must hold, which Yosys counts from 0.
+            asserted = len(item.states) + len(item.helps)
             for clocks in _depths(item):
-                text = _questions(item, job.entity, clocks)
+                text = template.render(
+                    top=job.entity, last=clocks, asserted=asserted, induction=item.induction
+                )
                 (place / f"{name}.{clocks:03}.ask").write_text(text, encoding="ascii")
-            due = ["sat", *["unsat"] * ((2 if item.induction else 1) * _asserted(item))]
+            due = ["sat", *["unsat"] * ((2 if item.induction else 1) * asserted)]
             (place / f"{name}.due").write_text("\n".join([*due, ""]), encoding="ascii")
             written.append((job, item))
     for name, lines in (("flatten", flatten), ("formulas", formulas)):
@@ -105,49 +111,8 @@ def _depths(item: Property) -> list[int]:
     return sorted({0, item.induction, *(n for n in doubled if n < item.induction)})
 
 
-def _asserted(item: Property) -> int:
-    """The number of expressions that must hold, which Yosys counts from 0."""
-    return len(item.states) + len(item.helps)
-
-
 def _inputs(job: Job) -> set[str]:
     return {port.name for port in job.twin.ports if port.direction == "in"}
-
-
-def _questions(item: Property, top: str, last: int) -> str:
-    """The questions about a property over so many clocks, as SMT-LIB."""
-
-    def states(count: int, first: bool) -> list[str]:
-        lines = []
-        for n in range(count + 1):
-            lines += [f"(declare-fun s{n} () |{top}_s|)"]
-            lines += [f"(assert (|{top}_{kind}| s{n}))" for kind in "uh"]
-            if n:
-                lines.append(f"(assert (|{top}_t| s{n - 1} s{n}))")
-            initial = f"(|{top}_is| s{n})"
-            lines.append(f"(assert {initial if first and n == 0 else f'(not {initial})'})")
-        if first:
-            lines.insert(1, f"(assert (|{top}_i| s0))")
-        return lines
-
-    def each(fails: Callable[[int], str]) -> list[str]:
-        asked = []
-        for n in range(_asserted(item)):
-            asked += ["(push 1)", f"(assert {fails(n)})", "(check-sat)", "(pop 1)"]
-        return asked
-
-    # What is assumed must be possible beyond the clock of the reset.
-    clocks = max(1, last)
-    lines = ["(push 1)", *states(clocks, first=True), "(check-sat)"]
-    lines += each(
-        lambda n: f"(or {' '.join(f'(not (|{top}_a {n}| s{m}))' for m in range(clocks + 1))})"
-    )
-    lines.append("(pop 1)")
-    if item.induction:
-        lines += ["(push 1)", *states(last, first=False)]
-        lines += [f"(assert (|{top}_a| s{m}))" for m in range(last)]
-        lines += [*each(lambda n: f"(not (|{top}_a {n}| s{last}))"), "(pop 1)"]
-    return "\n".join([*lines, ""])
 
 
 NETWORK, REFUSED = "network.json", "refused.txt"

@@ -45,37 +45,8 @@ _PLAIN = (
     *("memory_collect", "memory_map -rom-only", "opt_muxtree", "opt_clean", "dffunmap"),
     *("opt_clean", "opt_expr", "opt_clean"),
 )
-# Data and address do not count where nothing is written, so gates hide them then.
-_PARAMETERS = (
-    *("MEMID", "SIZE", "OFFSET", "ABITS", "WIDTH", "INIT", "RD_PORTS", "RD_CLK_ENABLE"),
-    *("RD_CLK_POLARITY", "RD_TRANSPARENCY_MASK", "RD_COLLISION_X_MASK", "RD_WIDE_CONTINUATION"),
-    *("RD_CE_OVER_SRST", "RD_INIT_VALUE", "RD_ARST_VALUE", "RD_SRST_VALUE", "WR_PORTS"),
-    *("WR_CLK_ENABLE", "WR_CLK_POLARITY", "WR_PRIORITY_MASK", "WR_WIDE_CONTINUATION"),
-)
 WRITES = "writes.v"
-WRITES_TEXT = f"""\
-// Hides data and address of a memory's write port while nothing is written.
-(* techmap_celltype = "$mem_v2" *)
-module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN, WR_ADDR, WR_DATA);
-{chr(10).join(f"    parameter {name} = 0;" for name in _PARAMETERS)}
-    input [RD_PORTS-1:0] RD_CLK, RD_EN, RD_ARST, RD_SRST;
-    input [RD_PORTS*ABITS-1:0] RD_ADDR;
-    output [RD_PORTS*WIDTH-1:0] RD_DATA;
-    input [WR_PORTS-1:0] WR_CLK;
-    input [WR_PORTS*WIDTH-1:0] WR_EN, WR_DATA;
-    input [WR_PORTS*ABITS-1:0] WR_ADDR;
-    wire [WR_PORTS*WIDTH-1:0] data = WR_DATA & WR_EN;
-    wire [WR_PORTS*ABITS-1:0] place;
-    genvar n;
-    generate for (n = 0; n < WR_PORTS; n = n + 1) begin: port
-        wire written = |WR_EN[n*WIDTH +: WIDTH];
-        assign place[n*ABITS +: ABITS] = WR_ADDR[n*ABITS +: ABITS] & {{ABITS{{written}}}};
-    end endgenerate
-    \\$mem_v2 #({", ".join(f".{name}({name})" for name in _PARAMETERS)}) _TECHMAP_REPLACE_ (
-        .RD_CLK(RD_CLK), .RD_EN(RD_EN), .RD_ARST(RD_ARST), .RD_SRST(RD_SRST), .RD_ADDR(RD_ADDR),
-        .RD_DATA(RD_DATA), .WR_CLK(WR_CLK), .WR_EN(WR_EN), .WR_ADDR(place), .WR_DATA(data));
-endmodule
-"""
+WRITES_TEXT = Path(__file__).with_name(WRITES).read_text(encoding="utf-8")
 _MEMORY = re.compile(r"^reg (?:.* )?(\w+) \[[^]]*\];", re.MULTILINE)
 _REGISTERS = "gold/t:$dff gate/t:$dff"
 _COMPARE = (

@@ -31,6 +31,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from tactus.core.files import replace_file
+from tactus.core.templates import environment
 from tactus.synth.tools import run_tool
 from tactus.verify.benches.runner import Job
 
@@ -234,33 +235,17 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
 def watch(netlist: Netlist, unreset: Register | None = None) -> str:
     """A module around the netlist whose output is 1 if something is unknown that must not be."""
-    ports: dict[str, dict[str, Any]] = netlist.module["ports"]
     flags, data = outputs(netlist)
-    lines = []
-    for name, port in ports.items():
-        kind = port["direction"] if port["direction"] == "input" else "wire"
-        lines.append(f"  {kind} [{len(port['bits']) - 1}:0] {name};")
     lost = unreset.bits if unreset else ()
-    held = sum(netlist.is_reset(bit) and bit not in lost for bit in netlist.flip_flops)
-    unknown = [_unknown(name) for name in (*flags, SHOWN)]
-    unknown += [f"({flag} & {_unknown(*found)})" for flag, found in data.items()]
-    inputs = [name for name, port in ports.items() if port["direction"] == "input"]
-    wires = ", ".join(f".{name}({name})" for name in (*ports, SHOWN))
-    return "\n".join(
-        [
-            f"module watch({', '.join(inputs)}, wrong);",
-            *lines,
-            f"  wire [{max(held, 1) - 1}:0] {SHOWN};",
-            "  output wrong;",
-            f"  {netlist.top} entity({wires});",
-            "  reg after = 0;",
-            "  always @(posedge clk) after <= after | rst;",
-            f"  assign wrong = after & ({' | '.join(unknown)});",
-            "endmodule",
-        ]
+    return (
+        environment("tactus.verify.sign_off")
+        .get_template("watch.v.jinja")
+        .render(
+            top=netlist.top,
+            ports=netlist.module["ports"],
+            held=sum(netlist.is_reset(bit) and bit not in lost for bit in netlist.flip_flops),
+            shown=SHOWN,
+            flags=flags,
+            data=data,
+        )
     )
-
-
-def _unknown(*names: str) -> str:
-    """An expression that is true if any bit of some nets is unknown: then their parity is, too."""
-    return f"((^{{{', '.join(names)}}}) === 1'bx)"

@@ -9,35 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-PORT = re.compile(r"^(input|output) (?:signed )?(?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
+from tactus.core.templates import environment
 
-# $fscanf returns how many it has read: at the end of the file there is none.
-BENCH = """`timescale 1ns/1ps
-module replay;
-{declarations}
-reg [{driven}:0] drive;
-reg [{watched}:0] seen, due;
-integer file, row;
-{entity} subject ({connections});
-initial begin
-    row = 0;
-    file = $fopen("trace.txt", "r");
-    while ($fscanf(file, "%b %b\\n", drive, due) == 2) begin
-        {clock_low}{{{inputs}}} = drive;
-        #5;
-        seen = {{{outputs}}};
-        if ((seen ==? due) !== 1'b1) begin
-            $display("differs %0d %b %b", row, seen, due);
-            $finish;
-        end
-        {clock_high}#5;
-        row = row + 1;
-    end
-    $display("same %0d", row);
-    $finish;
-end
-endmodule
-"""
+PORT = re.compile(r"^(input|output) (?:signed )?(?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -114,21 +88,9 @@ def _only_with(part: dict[str, Any], name: str, flag: str) -> bool:
 
 def write_bench(trace: Trace, entity: str, clocked: bool) -> None:
     """A test bench that plays the trace."""
-    declarations = [f"reg [{w - 1}:0] {n};" for n, w in trace.inputs.items()]
-    declarations += [f"wire [{w - 1}:0] {n};" for n, w in trace.outputs.items()]
-    declarations += ["reg clk;"] if clocked else []
-    connected = [*trace.inputs, *trace.outputs, *(["clk"] if clocked else [])]
-    text = BENCH.format(
-        declarations="\n".join(declarations),
-        driven=sum(trace.inputs.values()) - 1,
-        watched=sum(trace.outputs.values()) - 1,
-        entity=entity,
-        connections=", ".join(f".{name}({name})" for name in connected),
-        inputs=", ".join(trace.inputs),
-        outputs=", ".join(trace.outputs),
-        clock_low="clk = 0; " if clocked else "",
-        clock_high="clk = 1; " if clocked else "",
-    )
+    template = environment("tactus.verify.sign_off.mutate").get_template("replay.v.jinja")
+    names = [*trace.inputs, *trace.outputs, *(["clk"] if clocked else [])]
+    text = template.render(trace=trace, entity=entity, names=names, clocked=clocked)
     (trace.folder / "replay.v").write_text(text, encoding="utf-8")
 
 

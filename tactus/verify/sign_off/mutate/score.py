@@ -171,7 +171,12 @@ def _found(
 ) -> dict[str, Any]:
     """How many mutants are detected, how many are equivalent, and those that are neither."""
     mutants = subject.mutants
-    plays = {"trace": trace.digest, "simulator": version("icarus"), "scripts": _scripts("replay")}
+    plays: dict[str, store.Part] = {
+        "trace": trace.digest,
+        "bench": subject.folder / "replay.v",
+        "simulator": version("icarus"),
+        "scripts": _scripts("replay"),
+    }
     numbers = range(1, len(mutants) + 1)
 
     # Each answer is kept by itself, so that nothing is lost when a long run is stopped.
