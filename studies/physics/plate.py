@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import zeta
 
 from golden.input_error import InputError
 from golden.numbers.real import Real, checked
@@ -98,9 +97,9 @@ class Plate:
         grows with the number of terms times that of pairs; the memory does not grow with the number
         of terms.
 
-        **Error**: the sum of the terms that are left out is below ``tail``. Rounding errors are
-        1e-13 of the largest deflection for plates with similar sides. For b = a / 100, cancellation
-        costs four more digits (tests/test_beam.py).
+        **Error**: docs/physics.md bounds the sum of the terms that are left out. Rounding errors
+        are 1e-13 of the largest deflection for plates with similar sides. For b = a / 100,
+        cancellation costs four more digits (studies/stability).
         """
         checked(terms=(terms, 1, MOST_TERMS))
         x, y, xi, eta = self._pairs(points, loads)
@@ -118,23 +117,6 @@ class Plate:
                 line = line - _clamping(k * b / 2, k * (y - b / 2), k * eta, k * (b - eta))
             total += (sines * line / m**3).sum(axis=0)
         return total * a**2 / (np.pi**3 * self.stiffness)
-
-    def tail(self, points: ArrayLike, loads: ArrayLike, terms: int = TERMS) -> Real:
-        """A bound of the part of ``influence`` in the terms beyond ``terms``, m/N, shape (n, k).
-
-        A supported edge, and even more a clamped edge, only reduces the deflection of an infinite
-        strip: 0 <= line <= (1 + u) exp(-u) / 2 with ``u = k |y - eta|``. This decreases with m, so
-        the tail is at most its first value times the sum of 1 / m^3 (Hurwitz' zeta function).
-        Beside the load it decreases exponentially, and on the load's line as 1 / m^2.
-
-        Arguments and errors are as in ``influence``.
-        """
-        checked(terms=(terms, 1, MOST_TERMS))
-        _, y, _, eta = self._pairs(points, loads)
-        u = np.pi * (terms + 1) / self.length * np.abs(y - eta)
-        shape = (np.shape(points)[0], np.shape(loads)[0])
-        scale = self.length**2 / (2 * np.pi**3 * self.stiffness)
-        return np.broadcast_to((1 + u) * np.exp(-u) * scale * zeta(3, terms + 1), shape)
 
 
 def _minus(u: Real) -> Real:
