@@ -115,8 +115,8 @@ def as_page(table: Table) -> str:
 
 
 def picture(draw: Callable[[], str]) -> str:
-    """An SVG within the page."""
-    return f"<div>\n{draw().strip()}\n</div>"
+    """An SVG within the page, which scrolls sideways where the page is narrow."""
+    return f'<div style="overflow-x:auto">\n{draw().strip()}\n</div>'
 
 
 # The scenes of docs/designs.md: the default one, one whose network every design of tanh neurons
