@@ -105,7 +105,6 @@ class BipartiteTable:
 
     @property
     def correction_width(self) -> int:
-        """Bits of a correction, which is signed."""
         return max(max(self.corrections), -min(self.corrections) - 1).bit_length() + 1
 
 
@@ -269,7 +268,6 @@ class Bipartite(ActivationBlock):
 
     @property
     def table(self) -> BipartiteTable:
-        """The table with the words of every magnitude below 8."""
         return bipartite_table()
 
     @property
@@ -280,7 +278,6 @@ class Bipartite(ActivationBlock):
 
     @property
     def corrections(self) -> tuple[int, ...]:
-        """The corrections that are kept."""
         return self.table.corrections[: 1 << (self.reach_width - GROUP_WIDTH + OFFSET_WIDTH)]
 
     @property

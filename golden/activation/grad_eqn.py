@@ -49,17 +49,14 @@ class GradEqn(Block):
 
     @property
     def product_frac(self) -> int:
-        """Fraction bits of the exact product and sum."""
         return self.mag_frac + self.coeff_frac
 
     @property
     def intercept_shift(self) -> int:
-        """Places by which the intercept is shifted left, to the product's binary point."""
         return self.product_frac - self.intercept_frac
 
     @property
     def out_shift(self) -> int:
-        """Number of fraction bits that are dropped from the sum to get the result."""
         return self.product_frac - self.out_fmt.frac
 
     @property

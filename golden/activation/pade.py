@@ -167,7 +167,6 @@ class Pade(Compared):
 
     @property
     def ratio_width(self) -> int:
-        """Bits of (B - rho) / rho up to the gate."""
         return self.widths(self.last)["ratio"]
 
     @property
@@ -177,17 +176,14 @@ class Pade(Compared):
 
     @property
     def square_shift(self) -> int:
-        """Number of fraction bits dropped from the square."""
         return 2 * self.in_fmt.frac - self.square_frac
 
     @property
     def dividend_shift(self) -> int:
-        """Number of fraction bits dropped from q A(q)."""
         return self.in_fmt.frac + self.numerator.out_frac - self.dividend_frac
 
     @property
     def out_shift(self) -> int:
-        """Number of fraction bits dropped from q A(q) d."""
         return self.dividend_frac + self.reciprocal.frac - self.out_fmt.frac
 
     @property

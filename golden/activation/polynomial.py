@@ -72,7 +72,6 @@ class Polynomial(Compared):
 
     @property
     def square_shift(self) -> int:
-        """Number of fraction bits dropped from the square."""
         return 2 * self.in_fmt.frac - self.square_frac
 
     @property
@@ -83,17 +82,14 @@ class Polynomial(Compared):
 
     @property
     def quadratic_shift(self) -> int:
-        """Number of fraction bits dropped from A_n2 times the square."""
         return self.quadratic.frac + self.square_frac - self.sum_frac
 
     @property
     def linear_shift(self) -> int:
-        """Number of fraction bits dropped from A_n1 times the magnitude."""
         return self.linear.frac + self.in_fmt.frac - self.sum_frac
 
     @property
     def constant_shift(self) -> int:
-        """Places by which A_n0 is shifted left, to the sum's binary point."""
         return self.sum_frac - self.constant.frac
 
     @property

@@ -64,22 +64,18 @@ class CurveFormat:
 
     @property
     def gradient_shift(self) -> int:
-        """Places by which the gradient is shifted left, to the slope's binary point."""
         return self.slope_frac - self.gradient_frac
 
     @property
     def product_frac(self) -> int:
-        """Fraction bits of x * slope and of the exact sum."""
         return EXACT.hidden_fmt.frac + self.slope_frac
 
     @property
     def intercept_shift(self) -> int:
-        """Places by which the intercept is shifted left, to the product's binary point."""
         return self.product_frac - self.intercept_frac
 
     @property
     def out_shift(self) -> int:
-        """Number of fraction bits dropped from the sum to get the result."""
         return self.product_frac - SIGNAL.frac
 
     def split(self, mag: Codes) -> tuple[Codes, Codes, Codes]:
@@ -279,7 +275,6 @@ class Precise(OddActivation):
 
     @property
     def formats(self) -> CurveFormat:
-        """Formats of the coefficients, the slope and the sum."""
         return FORMATS[self.coefficients]
 
     @property

@@ -53,7 +53,6 @@ class Port:
 
     @property
     def signed(self) -> bool:
-        """Whether the codes are signed."""
         return isinstance(self.kind, Fix)
 
     @property

@@ -114,7 +114,6 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def hears(self) -> bool:
-        """Whether the computer may send something."""
         return self.reload or self.learns
 
     @property

@@ -46,7 +46,6 @@ class LessonReceiver(Block):
 
     @property
     def codes(self) -> int:
-        """How many codes a packet has."""
         return max(self.outputs, self.elements)
 
     @property

@@ -56,12 +56,10 @@ class Fix:
 
     @property
     def low(self) -> int:
-        """The most negative code."""
         return -(1 << (self.width - 1))
 
     @property
     def high(self) -> int:
-        """The largest code."""
         return (1 << (self.width - 1)) - 1
 
     def check(self, codes: ArrayLike, name: str = "codes", columns: int | None = None) -> Codes:

@@ -92,7 +92,6 @@ class ConverterReader(Scan):
 
     @property
     def half_clocks(self) -> int:
-        """Clocks of half a period of ``sclk``."""
         return self.part.half_clocks(self.clock)
 
     @property

@@ -60,12 +60,10 @@ class FrameWindow(Block):
 
     @property
     def past(self) -> int:
-        """Number of frames after a reset for which nothing leaves."""
         return self.window.past
 
     @property
     def addr_width(self) -> int:
-        """Bits of the address in the ring."""
         return (self.sensors * (self.past + 2)).bit_length()
 
     @property

@@ -41,7 +41,6 @@ class Scan(Block):
 
     @property
     def slot_clocks(self) -> int:
-        """The number of clocks of a turn."""
         return 1 << (self.counter_width - self.slot_width)
 
     @property

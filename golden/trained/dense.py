@@ -221,7 +221,6 @@ class DenseNetwork:
 
     @property
     def quantised(self) -> bool:
-        """Whether a layer has a quantiser."""
         return any(layer.quantiser for layer in self.layers)
 
     @property
@@ -231,7 +230,6 @@ class DenseNetwork:
 
     @property
     def activations(self) -> tuple[str, ...]:
-        """The activations of the hidden layers."""
         return tuple(layer.activation for layer in self.layers[:-1])
 
     def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:

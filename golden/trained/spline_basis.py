@@ -24,12 +24,10 @@ class Basis:
 
     @property
     def count(self) -> int:
-        """The number of splines."""
         return self.intervals + DEGREE
 
     @property
     def width(self) -> float:
-        """The length of an interval."""
         return (self.high - self.low) / self.intervals
 
     @property

@@ -30,6 +30,8 @@ def gradient(clk, rst, in_: Stream, out: Stream, *, spec: Gradient):
     intercept = unsigned(spec.i_memory.width)
     result = unsigned(spec.out_fmt.width - 1)
     segment = Stream(valid=addr_valid, addr=addr, mag=segment_mag, coeff=coeff, intercept=intercept)
+    unsigned_result = Stream(valid=sum_valid, mag=result, negative=negative_late)
+    clocks = spec.comparator_bank.latency + spec.grad_eqn.latency
 
     return (
         abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
@@ -37,18 +39,6 @@ def gradient(clk, rst, in_: Stream, out: Stream, *, spec: Gradient):
         g_memory(addr, coeff, spec=spec.g_memory),
         i_memory(addr, intercept, spec=spec.i_memory),
         grad_eqn(clk, rst, segment, Stream(valid=sum_valid, data=result), spec=spec.grad_eqn),
-        delay(
-            clk,
-            None,
-            negative,
-            negative_late,
-            clocks=spec.comparator_bank.latency + spec.grad_eqn.latency,
-        ),
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=sum_valid, mag=result, negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        delay(clk, None, negative, negative_late, clocks=clocks),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )

@@ -80,6 +80,7 @@ def gradient_parallel(clk, rst, in_: Stream, out: Stream, *, spec: GradientParal
         terms.append(limit)
     total = Words(len(terms) - 1, lambda: unsigned(result_width))
     sums = [terms[0], *(total[n] for n in range(len(total)))]
+    unsigned_result = Stream(valid=valid[0], mag=sums[-1], negative=negative_late)
 
     clocks = line.latency
     saturate = []
@@ -110,11 +111,5 @@ def gradient_parallel(clk, rst, in_: Stream, out: Stream, *, spec: GradientParal
         saturate,
         [add(sums[n], terms[n + 1], total[n]) for n in range(len(total))],
         delay(clk, None, negative, negative_late, clocks=bank.latency + clocks),
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=valid[0], mag=sums[-1], negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )

@@ -33,6 +33,8 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
     product, product_late = unsigned(product_width), unsigned(product_width)
     addr = unsigned(addr_width)
     word, result = unsigned(spec.out_fmt.width - 1), unsigned(spec.out_fmt.width - 1)
+    segment = Stream(valid=segment_valid, addr=beyond, mag=late_mag)
+    unsigned_result = Stream(valid=word_valid, mag=result, negative=negative_late)
     top = shift + addr_width
 
     @always(clk.posedge)
@@ -48,13 +50,7 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
 
     return (
         abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
-        comparator_bank(
-            clk,
-            rst,
-            magnitude,
-            Stream(valid=segment_valid, addr=beyond, mag=late_mag),
-            spec=spec.comparator_bank,
-        ),
+        comparator_bank(clk, rst, magnitude, segment, spec=spec.comparator_bank),
         scale(mag, product, factor=spec.scale),
         keep_product,
         ops.bits(product_late, top, shift, addr),
@@ -62,11 +58,5 @@ def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
         choose,
         delay(clk, rst, segment_valid, word_valid, clocks=1),
         delay(clk, None, negative, negative_late, clocks=2),
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=word_valid, mag=result, negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )

@@ -161,6 +161,8 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     quotient_held = signed(len(quotient))
     kept = signed(len(quotient) + 1 - spec.out_shift)
     result = unsigned(spec.out_fmt.width - 1)
+    segment = Stream(valid=q_valid, addr=beyond, mag=late_mag)
+    unsigned_result = Stream(valid=result_valid, mag=result, negative=negative_late)
     remaining = unsigned(max(1, (iterations - 1).bit_length()))
     active, busy = flag(), flag()
 
@@ -192,13 +194,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
 
     return (
         abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
-        comparator_bank(
-            clk,
-            rst,
-            magnitude,
-            Stream(valid=q_valid, addr=beyond, mag=late_mag),
-            spec=spec.comparator_bank,
-        ),
+        comparator_bank(clk, rst, magnitude, segment, spec=spec.comparator_bank),
         scale(mag, product, factor=spec.factor),
         low_unsigned(product, q_next),
         delay(clk, None, q_next, q, clocks=1),
@@ -254,11 +250,5 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
         delay(clk, rst, ready, result_valid, clocks=1),
         requantise(quotient_held, kept, shift=spec.out_shift, rounding=rounding),
         choose,
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=result_valid, mag=result, negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )

@@ -94,6 +94,8 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     scaled = signed(scaled_width)
     kept = signed(max(2, max(scaled_width, spec.out_shift) + 1 - spec.out_shift))
     result = unsigned(spec.out_fmt.width - 1)
+    placed = Stream(valid=segment_valid, addr=segment, mag=late_mag)
+    unsigned_result = Stream(valid=result_valid, mag=result, negative=negative_late)
     a2, a1, a0 = zip(*spec.coeffs, strict=True)
 
     @always(clk.posedge)
@@ -125,13 +127,7 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     clocks = 2 + (spec.factor is not None)
     return (
         abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
-        comparator_bank(
-            clk,
-            rst,
-            magnitude,
-            Stream(valid=segment_valid, addr=segment, mag=late_mag),
-            spec=spec.comparator_bank,
-        ),
+        comparator_bank(clk, rst, magnitude, placed, spec=spec.comparator_bank),
         square_of(clk, mag, square, shift=spec.square_shift, rounding=spec.rounding),
         term(
             clk,
@@ -162,11 +158,5 @@ def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
         delay(clk, None, segment, segment_late, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=1 + clocks),
         delay(clk, rst, segment_valid, result_valid, clocks=clocks),
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=result_valid, mag=result, negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )

@@ -105,6 +105,7 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
     total = signed(max(product_width, aligned_width) + 1)
     kept = signed(max(product_width, aligned_width) + 1 - out_shift)
     result = unsigned(out_width)
+    unsigned_result = Stream(valid=sum_valid, mag=result, negative=negative_late)
 
     @always_comb
     def split():
@@ -220,11 +221,5 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
         delay(clk, rst, intercept_early, intercept_late, clocks=1),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),
-        sign_retriever(
-            clk,
-            rst,
-            Stream(valid=sum_valid, mag=result, negative=negative_late),
-            out,
-            spec=spec.sign_retriever,
-        ),
+        sign_retriever(clk, rst, unsigned_result, out, spec=spec.sign_retriever),
     )
