@@ -138,9 +138,7 @@ class Pade(Compared):
     rounding: How low bits are dropped, everywhere in the block.
 
     d saturates in its format, and the result saturates to 0 and to 1 - 2**-frac. So a regression
-    that diverges gives a wrong magnitude, but neither a wrong sign nor an overflow. For the worst
-    error against tanh, see docs/blocks/pade.md; it is measured over all codes
-    (tests/test_schemes.py).
+    that diverges gives a wrong magnitude, but neither a wrong sign nor an overflow.
     """
 
     block = "pade"

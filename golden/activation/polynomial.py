@@ -53,8 +53,7 @@ class Polynomial(Compared):
 
     The result saturates to 0 and to 1 - 2**-frac. So it is never negative, although the first
     quadratic is negative below ``|q|`` = 0.0013. A magnitude beyond the neuron's reach may have a
-    wrong result. For the worst error against tanh, see docs/blocks/polynomial.md; it is measured
-    over all codes (tests/test_schemes.py).
+    wrong result.
     """
 
     block = "polynomial"

@@ -25,9 +25,8 @@ class PacketSender(Block):
 
     A frame is complete with its last output or, where the largest output is told, with that. If the
     line is free then, a packet with the frame is sent; otherwise the frame is only counted. A
-    packet is also sent when the line has been free for ``patience`` clocks. It carries the newest
-    samples and the outputs that are held, and is what a computer sees while the converter or an
-    image is missing.
+    packet is also sent when the line has been free for ``patience`` clocks, as while the converter
+    or an image is missing.
 
     inputs, outputs: Number of codes in a packet. Elements of a frame beyond them are not sent.
     points: Number of points of the profile; 0 where none is drawn. Each packet carries the next

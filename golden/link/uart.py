@@ -76,10 +76,8 @@ class UartReceiver(Block):
 
     divisor: Number of clocks of a bit.
 
-    The stop bit is read ``9 * divisor + divisor // 2`` clocks after the first clock of the start
-    bit, and at most one clock later than that after the edge of the start bit. So the sender's bit
-    may be 2.5 % shorter or 5.5 % longer with a divisor of 4, and 4.8 % or 5.5 % with 25
-    (tests/test_link.py).
+    At most one clock is lost at the edge of the start bit, and the stop bit is read in its middle.
+    So a bit may be 2.5 % shorter or 5.5 % longer with a divisor of 4 (tests/test_link.py).
     """
 
     block = "uart_receiver"

@@ -21,10 +21,8 @@ class ConverterReader(Scan):
     stored until the scan is complete. Then its frame leaves, one sample per clock. Sample n is that
     of sensor n modulo ``inputs``, so that the later slots of a cascade need no transfer.
 
-    The wire shows a converter that is missing or stuck: before a transfer the pull-up must hold
-    ``miso`` at 1; in the clocks ``part.zeros`` the converter must hold it at 0; and a converter
-    that repeats its code must repeat it unchanged. A scan in which a transfer fails one of these
-    tests yields no frame.
+    A scan with a transfer that no working converter can have sent yields no frame; see
+    ``received``.
 
     fmt: Format of the samples.
     inputs: Number of sensors; each is at the channel of its own number.
@@ -34,10 +32,9 @@ class ConverterReader(Scan):
     clock_mhz: Clock of the hardware. With it every limit of the part is kept.
     pause: Clocks without a transfer between the turns and the next scan.
 
-    Codes with fewer bits than ``fmt`` are extended by zeros. Code c of the part stands for the
-    middle of the voltages that give it, so nothing is added to the part's own error, which is half
-    of its own step. Codes with more bits are rounded half up and saturated. This adds an error of
-    at most 0.5 steps of ``fmt``, and of 0.75 for the two largest codes of 16 bits.
+    Codes with fewer bits than ``fmt`` are extended by zeros. Codes with more bits are rounded half
+    up and saturated. This adds an error of at most 0.5 steps of ``fmt``, and of 0.75 for the two
+    largest codes of 16 bits.
     """
 
     block = "converter_reader"
@@ -185,6 +182,9 @@ class ConverterReader(Scan):
 
     def received(self, bits: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
         """Codes of transfers, and whether a working converter can have sent them.
+
+        Before a transfer the pull-up holds ``miso`` at 1; in the clocks ``part.zeros`` the
+        converter holds it at 0; and a converter that repeats its code repeats it unchanged.
 
         bits, shape (..., part.clocks + 1): The level of ``miso`` before the transfer and in each of
             its clocks.

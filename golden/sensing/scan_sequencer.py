@@ -53,10 +53,9 @@ class Scan(Block):
 class ScanSequencer(Scan):
     """A counter and its slices (thesis sections 5.4.4 and 5.5).
 
-    Slot n selects sensor n modulo ``inputs``, so that four sensors and seven slots give the
-    addresses 00 01 10 11 00 01 10. Late in each slot, when the multiplexer has settled, the
-    converter's code is accepted. Where scans need not follow each other as fast as possible, the
-    counter pauses between them, so that the samples of a frame stay close together in time.
+    Slot n selects sensor n modulo ``inputs``. Late in each slot, when the multiplexer has settled,
+    the converter's code is accepted. Slower scans pause behind the slots, so that the samples of a
+    frame stay close together in time.
 
     fmt: Format of the converter's codes and of the samples.
     inputs: Number of sensors.

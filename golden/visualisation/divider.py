@@ -15,11 +15,9 @@ from golden.numbers.fixed import Codes, check_unsigned
 class Divider(Block):
     """t = distance * gain / width, one bit per clock: the C (i_p - i_m) of equation 3.18.
 
-    With C = gain / width, the product C (i_p - i_m) is a quotient. Shifting and subtracting gives
-    this quotient exactly, apart from rounding down, for narrow and wide loads alike. A table of
-    reciprocals would need a shifter for narrow loads and a multiplier, and would only be exact up
-    to its last address. There is enough time: a scan has 4096 clocks, and a quotient of 17 bits
-    takes 18.
+    Shifting and subtracting gives the quotient exactly, apart from rounding down, for narrow and
+    wide loads alike. A table of reciprocals would need a shifter for narrow loads and a multiplier,
+    and would only be exact up to its last address.
 
     distance_width: Bits of the unsigned distance ``|i_p - i_m|``.
     width_width: Bits of the unsigned width.
@@ -27,12 +25,7 @@ class Divider(Block):
     out_width, out_frac: Format of the unsigned quotient t.
 
     Distance and width share one binary point. A width of 0 counts as 1 LSB, which is the narrowest
-    load. The quotient is truncated and saturates to 2**out_width - 1. Its error is -1 to 0 LSB
-    where it does not saturate.
-
-    Hardware: the quotient saturates just where numerator >= width << integer bits. Otherwise
-    ``out_width`` steps with a remainder as wide as the width give its bits, the most significant
-    first.
+    load. The quotient is truncated and saturates to 2**out_width - 1.
     """
 
     block = "divider"

@@ -238,12 +238,8 @@ class LoadProfile(Block):
     below 0. The product with d is exact and rounded half up. It always fits in ``fmt``, because
     ``|f| <= |d|``.
 
-    The error against equation 3.18 in real arithmetic, at the codes of i_p, i_m, w and d and with C
-    = gain / w exact, is at most 1.81 units of 2**-13 for d = 1. This holds for every t that the
+    The error against equation 3.18 is at most 1.81 units of 2**-13 for d = 1, for every t that the
     divider can give and every fraction that it drops (tests/test_visualisation.py, exhaustive).
-
-    There are three multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, and
-    one for d.
     """
 
     block = "load_profile"
@@ -374,9 +370,8 @@ def power_load(
 ) -> Real:
     """Equation 3.18 in floating point: d exp(-(C (i_p - i_m))**P); the arguments are broadcast.
 
-    The power is taken of the product, and not of C and of the distance separately as thesis section
-    5.8 computes it, because C**P alone overflows for narrow loads. A power beyond the largest float
-    becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
+    C**P alone would overflow for narrow loads. A power beyond the largest float becomes infinity,
+    whose exponential is 0, which is right.
     """
     with np.errstate(over="ignore", under="ignore"):
         return np.asarray(load * np.exp(-((steepness * (position - centre)) ** power)))

@@ -17,9 +17,6 @@ from golden.numbers.fixed import Codes, check_unsigned
 class PowerFold(Block):
     """x = t**P, by using one multiplier P - 1 times (thesis section 5.8, Figure 5.25).
 
-    The thesis folds C**P and (i_p - i_m)**P separately and multiplies them, but C**P overflows for
-    narrow loads. Here t already is the product of both, and the folded power saturates.
-
     in_width, in_frac: Format of the unsigned t.
     out_width, out_frac: Format of the unsigned power and of the accumulator; ``out_frac`` is at
         most ``in_frac``.
@@ -28,9 +25,6 @@ class PowerFold(Block):
     The accumulator starts from t, at the power's binary point, and is multiplied by t P - 1 times.
     Each product is rounded half up and saturated to 2**out_width - 1. A saturated accumulator stays
     saturated: it is larger than 1, so t is too, and the product is larger still.
-
-    With the 17 bits of ``load_profile`` (2 before the point in t, 4 in the power) the multiplier is
-    17 x 17 bits, unsigned, which is one MULT18X18.
     """
 
     block = "power_fold"
