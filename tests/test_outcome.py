@@ -10,7 +10,7 @@ import pytest
 from pages import ROUNDING, shows
 
 from golden.numbers.precision import SIGNAL
-from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
+from golden.visualisation.load_profile import WIDTH_MM
 from tactus.cli import demo
 from tactus.core.table import read_table
 from tactus.errors import (
@@ -342,8 +342,8 @@ def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None
 def test_the_codes_of_table_3_1() -> None:
     data = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
     load, width = (np.unique(column) for column in read_table(data, ("load", "width")).T)
-    assert np.allclose(width / FULL_SCALE * WIDTH_MM, [12.7, 25.4, 38.1, 50.8])
-    assert np.allclose(load / FULL_SCALE * LOAD_G, [6, 8, 9, 11, 12, 16, 19, 23], atol=0.01)
+    assert np.allclose(width / 0.9 * WIDTH_MM, [12.7, 25.4, 38.1, 50.8])
+    assert np.allclose(load / 0.9 * 23, [6, 8, 9, 11, 12, 16, 19, 23], atol=0.01)
 
 
 @pytest.mark.parametrize("points", [7, 600, 100_001])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
+from math import fsum
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,7 @@ def shifted(biases: Real, weights: Real, shift: Real) -> Real:
     terms = np.concatenate([biases[:, np.newaxis], weights * shift], axis=1)
     sums: Real = terms.sum(axis=1)
     if np.isfinite(terms).all():
-        sums = np.array([float(sum(map(Fraction, row))) for row in terms.tolist()])
+        sums = np.array([fsum(row) for row in terms.tolist()])
     return sums
 
 

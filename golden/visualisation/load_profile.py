@@ -17,7 +17,6 @@ from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned,
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.transcendental import exp_floors
-from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
 from golden.visualisation.power_fold import PowerFold
 
@@ -34,7 +33,10 @@ ADDR_WIDTH = 10
 
 ENDS = (("begins", "lowest"), ("ends", "highest"))
 
-# C times the coded width of the flexible digit: 2 divided by the width in units of the position.
+# What full scale of the digit's coded position and width is in millimetres: neighbouring placements
+# are 6.35 mm apart (thesis section 3.8.2) and 0.045 in the table, and load A, 50.8 mm wide, is 0.9.
+POSITION_MM, WIDTH_MM = 127.0, 50.8
+# C times the coded width of the digit: 2 divided by the width in units of the position.
 GAIN = 2 * Fraction(str(POSITION_MM)) / Fraction(str(WIDTH_MM))
 
 # One clock for the difference, and one for the magnitude.

@@ -86,6 +86,11 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
     product_valid, product = flag(), signed(fmt.width + word_width)
     height = fixed(fmt)
     point_valid, point_last = flag(), flag()
+    measured = Stream(valid=distance_valid, distance=distance, width=positive_width)
+    quotient = Stream(valid=t_valid, data=t, power=power)
+    raised = Stream(valid=power_valid, data=powered)
+    looked_up = Stream(valid=word_valid, word=word, offset=offset)
+    exponential = Stream(valid=value_valid, data=value)
 
     take_results = results(
         clk, in_.valid, [in_.load, in_.position, in_.width, in_.shape], next_results
@@ -121,13 +126,7 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
         else:
             positive_width.next = width[magnitude_width:]
 
-    divide = divider(
-        clk,
-        rst,
-        Stream(valid=distance_valid, distance=distance, width=positive_width),
-        Stream(valid=t_valid, data=t),
-        spec=spec.divider,
-    )
+    divide = divider(clk, rst, measured, quotient, spec=spec.divider)
 
     @always_comb
     def choose():
@@ -136,13 +135,7 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
         else:
             power.next = high_power
 
-    raise_power = power_fold(
-        clk,
-        rst,
-        Stream(valid=t_valid, data=t, power=power),
-        Stream(valid=power_valid, data=powered),
-        spec=spec.power_fold,
-    )
+    raise_power = power_fold(clk, rst, quotient, raised, spec=spec.power_fold)
 
     @always_comb
     def split():
@@ -151,13 +144,7 @@ def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
 
     look_up = exp_memory(clk, addr, word, spec=spec.exp_memory)
     wait_for_word = delay(clk, rst, power_valid, word_valid, clocks=spec.exp_memory.latency)
-    interpolate = exp_interpolator(
-        clk,
-        rst,
-        Stream(valid=word_valid, word=word, offset=offset),
-        Stream(valid=value_valid, data=value),
-        spec=spec.exp_interpolator,
-    )
+    interpolate = exp_interpolator(clk, rst, looked_up, exponential, spec=spec.exp_interpolator)
     widen_value = connect(value, wide_value)
 
     @always(clk.posedge)
