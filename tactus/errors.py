@@ -62,8 +62,7 @@ def summarise(errors: Real, groups: ArrayLike) -> list[OutputError]:
 def millimetres(error: OutputError, length: float) -> OutputError:
     """An error in percent of a full scale as a length; the full scale is ``length`` millimetres.
 
-    ``golden/visualisation/load_profile.py`` holds the lengths of the flexible digit and says how they were
-    checked.
+    ``golden/visualisation/load_profile.py`` holds the lengths of the flexible digit.
     """
     part = length / 100
     return OutputError(error.mean * part, error.largest_mean * part, error.worst * part)

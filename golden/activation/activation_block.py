@@ -133,10 +133,9 @@ def _border_codes(activation: ActivationBlock) -> Codes:
     found = [np.array(activation.marks, dtype=np.int64)]
     for border in activation.borders:
         if border.quantity in numbers and not border.unreachable:
-            offset = numbers[border.quantity] - border.at
-            for side in (offset < 0, offset >= 0):
-                near = side & (np.abs(offset) <= border.within)
-                found.append(inside[near][np.argsort(np.abs(offset[near]), kind="stable")][:4])
+            values = numbers[border.quantity]
+            places = border.closest(values)
+            found.append(inside[places[np.abs(values[places] - border.at) <= border.within]])
     return np.concatenate(found)
 
 

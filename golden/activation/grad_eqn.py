@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.numbers.fixed import Codes, Fix, Rounding, check_unsigned
+from golden.numbers.fixed import Codes, Fix, Rounding, check_unsigned, cut
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,4 @@ class GradEqn(Block):
         g = check_unsigned(coeff, self.coeff_width, "grad_eqn coeff")
         i = check_unsigned(intercept, self.intercept_width, "grad_eqn intercept")
         total = m * g + (i << self.intercept_shift)
-        if self.rounding is Rounding.ROUND and self.out_shift:
-            total = total + (1 << (self.out_shift - 1))
-        return (total >> self.out_shift) & self.out_fmt.high
+        return cut(total, self.out_shift, self.rounding) & self.out_fmt.high

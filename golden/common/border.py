@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from golden.numbers.fixed import Codes
 
 
@@ -24,6 +26,13 @@ class Border:
     at: int
     within: int = 1
     unreachable: str = ""
+
+    def closest(self, values: Codes) -> Codes:
+        """The places of the values closest to the border, at most four on each side."""
+        offset = values - self.at
+        sides = (np.flatnonzero(offset < 0), np.flatnonzero(offset >= 0))
+        orders = (np.argsort(np.abs(offset[side]), kind="stable") for side in sides)
+        return np.concatenate([side[order[:4]] for side, order in zip(sides, orders, strict=True)])
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.border import Border, State
 from golden.common.port import CLOCKED, Port, input_port, output_port
-from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, cut, requantise
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
 from golden.sensing.scan_sequencer import COUNTER_WIDTHS, Scan
 
@@ -151,8 +151,7 @@ class ConverterReader(Scan):
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (codes,) = inputs
-        half = 1 << max(0, self.shift - 1)
-        return {"rounded code": (self._signed(codes) + half) >> max(0, self.shift)}
+        return {"rounded code": cut(self._signed(codes), max(0, self.shift), Rounding.ROUND)}
 
     def process(self, codes: ArrayLike) -> Codes:
         """The samples for codes of the converter."""

@@ -10,7 +10,7 @@ from golden.common.block import Block
 from golden.common.border import Border, border_among
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.numbers.fixed import Codes, check_unsigned
+from golden.numbers.fixed import Codes, Rounding, check_unsigned, cut
 
 
 @dataclass(frozen=True)
@@ -82,10 +82,10 @@ class PowerFold(Block):
 
     def powers(self, data: Codes) -> list[Codes]:
         """t, t^2 and so on up to the largest power, each before it saturates."""
-        found = [self._rounded(data, self.in_frac - self.out_frac)]
+        found = [cut(data, self.in_frac - self.out_frac, Rounding.ROUND)]
         for _ in range(1, self.max_power):
             acc = np.minimum(found[-1], (1 << self.out_width) - 1)
-            found.append(self._rounded(acc * data, self.in_frac))
+            found.append(cut(acc * data, self.in_frac, Rounding.ROUND))
         return found
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
@@ -107,10 +107,6 @@ class PowerFold(Block):
         acc = np.choose(p - 1, self.powers(t))
         return np.asarray(np.minimum(acc, (1 << self.out_width) - 1), dtype=np.int64)
 
-    def _rounded(self, exact: Codes, shift: int) -> Codes:
-        """``exact`` without its last ``shift`` bits, rounded half up."""
-        return np.asarray((exact + ((1 << shift) >> 1)) >> shift, dtype=np.int64)
-
 
 @lru_cache
 def _every(fold: PowerFold) -> list[Codes]:
@@ -128,11 +124,5 @@ def _borders(fold: PowerFold) -> tuple[Border, ...]:
 
 def border_data(fold: PowerFold) -> Codes:
     """Some values of t on both sides of each border."""
-    found = []
-    for border, kept in zip(fold.borders, _every(fold), strict=True):
-        offset = kept - border.at
-        for side in (offset < 0, offset >= 0):
-            near = np.flatnonzero(side)
-            closest = np.argsort(np.abs(offset[near]), kind="stable")
-            found.append(near[closest][:4])
-    return np.concatenate(found)
+    pairs = zip(fold.borders, _every(fold), strict=True)
+    return np.concatenate([border.closest(kept) for border, kept in pairs])
