@@ -37,18 +37,6 @@ def coeff_frac(result: Fix, operand: Fix) -> int:
 
 
 Bits = TypeVar("Bits", int, Codes)
-# The fields of a word of an engine that learns. A word of the table holds a slope and an
-# intercept. Where there are several blocks of the table, the weight of a step that looks up names
-# the block; see golden/engine/function_table.py.
-WEIGHT = (0, WIDTH)
-SOURCE = (18, 10)
-KIND = (28, 2)
-TAKE_INTERCEPT = (30, 1)
-FIRST = (31, 1)
-FIRST_OF_OUTPUT = (32, 1)
-STORE = (33, 1)
-OUTPUT = (34, 1)
-END = (35, 1)
 
 
 def put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:

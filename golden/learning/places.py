@@ -1,10 +1,29 @@
-"""Where an engine that learns keeps its words."""
+"""Where an engine that learns keeps its words, and where a word of its program has its fields."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
-from golden.engine.formats import SOURCE
+from golden.engine.formats import WIDTH
 from golden.input_error import InputError
+
+# The fields of a step: the clock of the pipeline in which each is used, and its lowest bit and its
+# number of bits in a word of 36 bits. A word of the table holds an intercept, and a slope below it.
+#
+# product: The coefficient is a second word, whose address is in the field of the weight.
+# output: With ``store`` the word leaves the engine. Without it, the next results are stored at the
+#     address in the field of the weight.
+FIELDS = {
+    "weight": ("operand", (0, WIDTH)),
+    "source": ("address", (18, 10)),
+    "kind": ("operand", (28, 2)),
+    "product": ("operand", (30, 1)),
+    "first": ("start", (31, 1)),
+    "first_of_output": ("start", (32, 1)),
+    "store": ("mark", (33, 1)),
+    "output": ("mark", (34, 1)),
+    "end": ("mark", (35, 1)),
+}
+_MOST_WIDTH = FIELDS["source"][1][1]
 
 
 def bits_for(count: int) -> int:
@@ -38,10 +57,10 @@ class Places:
     least: int
 
     def __post_init__(self) -> None:
-        if self.addr_width > SOURCE[1]:
+        if self.addr_width > _MOST_WIDTH:
             raise InputError(
                 f"hardware.learning: got {self.scratch} words that an equation computes, expected "
-                f"{(1 << (SOURCE[1] - 2)) - (1 << self.sample_width) - (1 << self.target_width)} "
+                f"{(1 << (_MOST_WIDTH - 2)) - (1 << self.sample_width) - (1 << self.target_width)} "
                 "at most"
             )
 

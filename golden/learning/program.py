@@ -4,22 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from golden.engine.formats import (
-    DROPPED,
-    END,
-    FIRST,
-    FIRST_OF_OUTPUT,
-    KIND,
-    OUTPUT,
-    OUTPUT_SHIFT,
-    SAMPLE_SHIFT,
-    SOURCE,
-    STORE,
-    TAKE_INTERCEPT,
-    WEIGHT,
-    WIDTH,
-    put,
-)
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, put
 from golden.engine.function_table import joined
 from golden.engine.graph import Graph, Kind, start_of
 from golden.engine.pipeline import Pipeline
@@ -28,12 +13,9 @@ from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.learning.corrected import SHORT, Corrected
 from golden.learning.gradient import Pupil
-from golden.learning.places import Places
+from golden.learning.places import FIELDS, Places
 from golden.learning.segments import Sums, corrected, lms
 
-# In the place of the bit for the intercept, which follows from the kind: the coefficient is a
-# second word, whose address is in the field of the weight.
-PRODUCT = TAKE_INTERCEPT
 # The numbers of parts: equations follow from the last one on.
 FRAME, KEEP, EQUATIONS = 0, 1, 2
 # Delay of a jump in words: the register of the memory, one register that shortens the path to the
@@ -368,7 +350,7 @@ def assembled(
     words = table_words(table)
     words += [0] * (len(notes) - len(words))
     first = [*range(starts[EQUATIONS], starts[EQUATIONS] + alike)]
-    put(words, first[-TO_JUMP], END, 1)
+    put(words, first[-TO_JUMP], FIELDS["end"][1], 1)
     begins = [*starts[:EQUATIONS], *starts[EQUATIONS + 1 :]]
     for number, (part, begin) in enumerate(zip(parts, begins, strict=True)):
         rest = range(begin, begin + len(part) + PIPELINE.mark)
@@ -378,19 +360,23 @@ def assembled(
 
 def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None:
     """Write the fields of a part's steps into the words that are read one after the other."""
-    at = PIPELINE
     for n, slot in enumerate(part):
-        put(words, read[n], SOURCE, slot.source)
-        put(words, read[n + at.operand], KIND, int(slot.kind))
-        put(words, read[n + at.operand], WEIGHT, slot.field)
-        put(words, read[n + at.operand], PRODUCT, slot.product)
-        put(words, read[n + at.start], FIRST, slot.first)
-        put(words, read[n + at.start], FIRST_OF_OUTPUT, slot.of_output)
-        put(words, read[n + at.mark], STORE, slot.store >= 0)
-        put(words, read[n + at.mark], OUTPUT, slot.leaves)
-        put(words, read[n + at.mark], END, n == len(part) - 1)
+        values = {
+            "weight": slot.field,
+            "source": slot.source,
+            "kind": slot.kind,
+            "product": slot.product,
+            "first": slot.first,
+            "first_of_output": slot.of_output,
+            "store": slot.store >= 0,
+            "output": slot.leaves,
+            "end": n == len(part) - 1,
+        }
+        for name, value in values.items():
+            clock, field = FIELDS[name]
+            put(words, read[n + getattr(PIPELINE, clock)], field, value)
         if slot.places:
-            put(words, read[n + at.operand], OUTPUT, 1)
+            put(words, read[n + PIPELINE.operand], FIELDS["output"][1], 1)
 
 
 def table_words(table: LineTable) -> list[int]:

@@ -2,23 +2,9 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, instances, modbv
 
-from golden.engine.formats import (
-    DROPPED,
-    END,
-    FIRST,
-    FIRST_OF_OUTPUT,
-    KIND,
-    OUTPUT,
-    OUTPUT_SHIFT,
-    SAMPLE_SHIFT,
-    SOURCE,
-    STORE,
-    WIDTH,
-    WORD,
-    WORD_WIDTH,
-)
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.learning.corrected import SHORT
-from golden.learning.program import PRODUCT
+from golden.learning.places import FIELDS
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
@@ -89,14 +75,17 @@ def learning_engine(
     target_addr, before_last = unsigned(target_width), unsigned(target_width)
     incoming = fixed(SIGNAL)
     weight, kept, kept_late = (unsigned(WIDTH) for _ in range(3))
-    kind = unsigned(KIND[1])
+    kind = unsigned(2)
     look_up, intercept, take_intercept, first, first_of_output = (flag() for _ in range(5))
     product, product_late = flag(), flag()
     spoiled, over, beyond, of_theta = (flag() for _ in range(4))
-    source_low, kind_low = SOURCE[0], KIND[0]
-    source_top, kind_top = source_low + addr_width, sum(KIND)
-    first_bit, first_of_output_bit = FIRST[0], FIRST_OF_OUTPUT[0]
-    store_bit, output_bit, end_bit, product_bit = STORE[0], OUTPUT[0], END[0], PRODUCT[0]
+    lowest_bits = {name: low for name, (_, (low, _)) in FIELDS.items()}
+    source_low, kind_low = lowest_bits["source"], lowest_bits["kind"]
+    source_top, kind_top = source_low + addr_width, kind_low + 2
+    first_bit, first_of_output_bit, store_bit, output_bit, end_bit, product_bit = (
+        lowest_bits[name]
+        for name in ("first", "first_of_output", "store", "output", "end", "product")
+    )
     top_bit, theta_bit, sign_bit = addr_width - 1, addr_width - 2, WIDTH - 1
     samples, targets, theta_low = places.samples, places.targets, places.theta
     final, less = places.unknowns - 1, WIDTH - 1
