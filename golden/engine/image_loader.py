@@ -116,18 +116,14 @@ class ImageLoader(Block):
         if len(received) < WORD_BYTES:
             return None
         header = self._word(received, 0)
-        words = self._length(header)
+        low, bits = LAST_ADDR
+        words = (header >> low) % (1 << bits) + 1
         whole = words <= self.words and len(received) == (1 + words) * WORD_BYTES + CHECK_BYTES
         if not whole or crc_hqx(received, self.check_start):
             return None
         before_last = (header >> BEFORE_LAST[0]) % (1 << self.operand_addr_width)
         starts = range(words * WORD_BYTES, 0, -WORD_BYTES)
         return before_last, [self._word(received, start) for start in starts]
-
-    @staticmethod
-    def _length(header: int) -> int:
-        low, bits = LAST_ADDR
-        return (header >> low) % (1 << bits) + 1
 
     @staticmethod
     def _word(received: bytes | bytearray, start: int) -> int:

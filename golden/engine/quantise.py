@@ -16,7 +16,7 @@ two words per node, both of which the next layer takes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -49,16 +49,8 @@ _fractions = np.vectorize(Fraction, otypes=[object])
 _HALF_OUTPUT = 1 << (DROPPED + OUTPUT_SHIFT - 1)
 
 
-@dataclass(frozen=True)
-class PlannedLayer:
-    """One layer on its way into whole numbers.
-
-    values: The words that the next layer takes.
-    """
-
-    exact: Exact
-    layer: IntegerLayer
-    values: list[Value]
+# One layer on its way into whole numbers, and the words that the next layer takes.
+PlannedLayer = tuple[Exact, IntegerLayer, list[Value]]
 
 
 def exact_layers(network: DenseNetwork) -> list[Exact]:
@@ -119,7 +111,7 @@ def planned(
             reached = met[exact.number - 1] if met and not exact.output else 0.0
             layer = _layer(exact, values, reached)
         values = _values_for_next_layer(exact, layer, values)
-        found.append(PlannedLayer(exact, layer, values))
+        found.append((exact, layer, values))
     return found
 
 
@@ -144,7 +136,7 @@ def integer_networks(
     for network, reached in zip(networks, met or [()] * len(networks), strict=True):
         before = sum(one.layers[-1].nodes for one in found) if arrangement == "cascade" else 0
         plan = planned(network, first_values(samples, before), reached)
-        layers = tuple(one.layer for one in plan)
+        layers = tuple(layer for _, layer, _ in plan)
         found.append(IntegerNetwork(samples, before, layers, segment_width))
     return tuple(found)
 

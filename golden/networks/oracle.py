@@ -81,7 +81,7 @@ def engine_bounds(
     values = first_values(sensors, network.shape[0] - sensors)
 
     def add(_: int, one: PlannedLayer, errors: Real, off: Real) -> Real:
-        exact, layer = one.exact, one.layer
+        exact, layer = one[:2]
         frac = SIGNAL.frac if exact.output else layer.result.frac
         off = off + 2.0 ** -(frac + 1)
         off += [
@@ -120,7 +120,7 @@ def layered_bounds(
         off = off + (units / 2.0**matrix.out_shift + 0.5) * step
         off = off + max((activation_error(table, 1) for table in tables[number]), default=0.0)
         # The largest word is a step below 1.
-        return off + step * (one.exact.activation == "hard_tanh")
+        return off + step * (one[0].activation == "hard_tanh")
 
     values = first_values(network.shape[0], 0)
     return _through(network, values, met, np.zeros(len(values)), add)
@@ -149,7 +149,8 @@ def _through(
     """
     off = errors
     for number, one in enumerate(planned(network, values, met)):
-        exact, result = one.exact, one.layer.result
+        exact, layer, after = one
+        result = layer.result
         weights = np.array(
             [[abs(float(row[v.node] * v.factor)) for v in values] for row in exact.weights]
         )
@@ -161,7 +162,7 @@ def _through(
             halves = [2.0 ** -(coeff_frac(result, v.fmt) + 1) for v in values]
             off = off + np.dot(halves, reached) + 2.0 ** -(coeff_frac(result, ONE) + 1)
             off = add(number, one, errors, off)
-        values = one.values
+        values = after
         errors = off[[value.node for value in values]]
     return off
 
