@@ -7,19 +7,23 @@ import shutil
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from subprocess import CompletedProcess
 
+import numpy as np
 import pytest
+from myhdl import Simulation, delay, instance
 
+from golden.common.block import Block
+from hdl.common.lookup import hardware
 from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
 from tactus.export.command import BOTH, export_scene
-from tactus.export.hierarchy import LANGUAGES
+from tactus.export.hierarchy import LANGUAGES, port_signals
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
@@ -184,3 +188,33 @@ def movable(path: Path) -> str:
         lambda found: f'"{(path.parent / found[1]).resolve()}"',
         path.read_text(),
     )
+
+
+def in_myhdl(
+    spec: Block, inputs: Sequence[str], outputs: Sequence[str], rows: Iterable[Sequence[int]]
+) -> np.ndarray:
+    """The outputs of MyHDL itself, which checks the bounds of every signal.
+
+    rows: The inputs in each clock. The outputs are those that belong to them.
+    """
+    arguments, seen = port_signals(spec), []
+    ports = {
+        f"{name.rstrip('_')}_{field}": one
+        for name, group in arguments.items()
+        for field, one in getattr(group, "__dict__", {}).items()
+    }
+    ports |= arguments
+
+    @instance
+    def drive():
+        for row in rows:
+            for name, value in zip(inputs, row, strict=True):
+                ports[name].next = value
+            yield delay(1)
+            seen.append([int(ports[name]) for name in outputs])
+            ports["clk"].next = True
+            yield delay(1)
+            ports["clk"].next = False
+
+    Simulation(drive, hardware(spec)(**arguments, spec=spec)).run(quiet=1)
+    return np.array(seen)

@@ -12,8 +12,8 @@ import pytest
 from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from myhdl import Simulation, delay, instance
 from refused import call
+from shared import in_myhdl
 
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH, coeff_frac
 from golden.engine.frame_check import FrameCheck
@@ -34,10 +34,8 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Quantiser, network_of
 from golden.trained.function import TANH, Function
-from hdl.common.lookup import hardware
 from tactus.cli.listing import critical_path
 from tactus.core.finding import OK, WARNING
-from tactus.export.hierarchy import port_signals
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
@@ -119,33 +117,6 @@ def lanes_of(name: str, lanes: int, pipeline: str = "short") -> Engine:
     return Engine.of(case.networks(), Settings(options=options), case.arrangement)
 
 
-def in_myhdl(design: Engine, frames: np.ndarray) -> np.ndarray:
-    """The results of MyHDL itself, which checks the bounds of every signal."""
-    ports = port_signals(design)
-    clk, rst, samples, results = (ports[name] for name in ("clk", "rst", "in_", "out"))
-    clocks = [None]
-    for frame in frames:
-        ends = [*enumerate(frame.tolist(), 1 - len(frame))]
-        clocks += [*ends, *[None] * (design.interval - len(frame))]
-    seen = []
-
-    @instance
-    def drive():
-        for t, clock in enumerate([*clocks, *[None] * design.output_clocks[-1]]):
-            rst.next, samples.valid.next = t == 0, clock is not None
-            if clock:
-                samples.last.next, samples.data.next = clock[0] == 0, clock[1]
-            yield delay(1)
-            if t and results.valid:
-                seen.append(int(results.data))
-            clk.next = True
-            yield delay(1)
-            clk.next = False
-
-    Simulation(drive, hardware(design)(**ports, spec=design)).run(quiet=1)
-    return np.reshape(seen, (len(frames), design.outputs))
-
-
 @pytest.mark.parametrize("lanes", [1, 2])
 def test_codes_of_one_bit(lanes: int) -> None:
     """A code has no bit above its lowest one, which is 0 half way between two codes."""
@@ -159,7 +130,14 @@ def test_codes_of_one_bit(lanes: int) -> None:
     # The sums of the first frame are 0.5, 0.25 and 0.5, and those of the second 0.5, 0.5 and 1.
     expected, _ = SIGNAL.quantise(np.array([[0.0], [0.125], [0.625], [0.875], [0.0]]))
     assert np.array_equal(evaluate(twin.integers, codes), expected)
-    assert np.array_equal(in_myhdl(twin, codes), expected)
+    rows = [[1, 0, 0, 0]]
+    for frame in codes.tolist():
+        rows += [[0, 1, code, n == len(frame) - 1] for n, code in enumerate(frame)]
+        rows += [[0, 0, 0, 0]] * twin.interval
+    valid, data = in_myhdl(
+        twin, ("rst", "in_valid", "in_data", "in_last"), ("out_valid", "out_data"), rows
+    ).T
+    assert np.array_equal(data[valid == 1].reshape(expected.shape), expected)
 
 
 def test_no_more_lanes_than_a_layer_has_nodes() -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from myhdl import Signal, Simulation, delay, instance
 from pages import cells, section
+from shared import in_myhdl
 
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.graph import LOOKED_UP, Kind, Term
@@ -20,8 +20,6 @@ from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from hdl.common.lookup import hardware
-from tactus.export.hierarchy import port_signals
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE
@@ -89,30 +87,6 @@ class Desk:
             self.play([], learn=1, clocks=1)
 
 
-def in_myhdl(twin: LearningEngine, rows: list[tuple[int, ...]]) -> list[list[int]]:
-    """The outputs of MyHDL itself for rows of inputs, one for each clock."""
-    ports, seen = port_signals(twin), []
-
-    def signal(name: str) -> Signal:
-        stream, _, field = name.partition("_")
-        parts = ports.get({"in": "in_"}.get(stream, stream))
-        return ports[name] if name in ports else getattr(parts, field)
-
-    @instance
-    def drive():
-        for row in rows:
-            for name, value in zip(INPUTS, row, strict=True):
-                signal(name).next = value
-            yield delay(1)
-            seen.append([int(signal(name)) for name in OUTPUTS])
-            ports["clk"].next = True
-            yield delay(1)
-            ports["clk"].next = False
-
-    Simulation(drive, hardware(twin)(**ports, spec=twin)).run(quiet=1)
-    return seen
-
-
 @pytest.mark.parametrize("shipped", [False, True])
 def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
     """Learned, told, put in, and brought back by a reset: every port in every clock."""
@@ -139,7 +113,7 @@ def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
         valid = np.array(desk.seen)[:, OUTPUTS.index(f"{stream}_valid")]
         assert valid.any()
         unseen[:, OUTPUTS.index(f"{stream}_data")] = valid == 0
-    found = np.array(in_myhdl(twin, desk.rows))
+    found = in_myhdl(twin, INPUTS, OUTPUTS, desk.rows)
     np.testing.assert_array_equal(np.where(unseen, 0, found), np.where(unseen, 0, desk.seen))
 
 
