@@ -19,7 +19,6 @@ from golden.activation.schemes import SCHEMES, forms
 from golden.activation.segments import coefficient_codes, gradient_real
 from golden.engine.formats import HIDDEN, RESULT
 from golden.engine.function_table import table_of
-from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Fix, cut
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
@@ -276,7 +275,7 @@ def test_a_table_is_within_one_unit_of_a_signal_monotone_and_odd(width: int) -> 
 @pytest.mark.parametrize("width", [6, 10])
 def test_another_width_is_refused(width: int) -> None:
     with pytest.raises(InputError, match=f"segment_width: got {width}, expected one of 7, 8, 9"):
-        tanh_table(width)
+        table_of(TANH, width)
 
 
 GRADIENTS = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(EXACT, 1)]

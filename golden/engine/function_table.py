@@ -1,9 +1,18 @@
-"""Tables for any functions of q, side by side in one memory.
+"""Tables for any functions of q, side by side in one memory: a straight line for each segment of q.
 
-A function takes one block of the memory or two. An odd function, such as tanh, has one: a negative
-q reads the words of its complement, as in ``golden.engine.tanh_table``. Any other function has two:
-the first for q from 0 up, and the second for q from -1 down. The words of the second hold minus the
-function in their intercepts, because the engine subtracts an intercept where q is negative.
+A segment is 2**w codes of q wide. Let i and s be the two words of the code's segment, the intercept
+and the slope, and x the distance of the code from the middle of the segment. Then
+
+        r = i + s x,    and for q below 0: r = s x - i
+
+The segment of a negative q is that of its complement, -q - 1. x is taken from q itself in both
+cases: the low bits of q with the highest of them inverted are x, as a signed number. So neither a
+magnitude nor a negated result is needed.
+
+A function takes one block of the memory or two. An odd function, such as tanh, has one. Any other
+function has two: the first for q from 0 up, and the second for q from -1 down. The words of the
+second hold minus the function in their intercepts, because the engine subtracts an intercept where
+q is negative.
 
 Blocks have 2**a words each, and lie one after the other from address 0 on, so the address of a
 segment needs no adder:
@@ -22,21 +31,30 @@ slopes fit, and the next layer's weights allow for it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import Self
 
 import numpy as np
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
-from golden.engine.tanh_table import ENDS, LineTable, tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.real import Real
+from golden.numbers.transcendental import tanh_floors
 from golden.trained.function import TANH, Function
 
 # Bits of q within a segment, where hardware chooses none. The binary point of a function is always
 # chosen with this width, so that it does not depend on what hardware chooses.
 SEGMENT_WIDTH = 9
+# For each w, the bits of the distance within a segment, where the table ends. The word of the last
+# segment also serves every q beyond, where its error is no larger than that of the lines before.
+# With 6.5 or more, a line would reach 1 before the last segment, which is more than the last word,
+# so the table would not be monotone.
+ENDS = {7: Fraction(6), 8: Fraction(11, 2), 9: Fraction(5)}
+_FRAC = 40
 # Functions other than tanh may have wider segments, so that many of them have room.
 LEAST_WIDTH, MOST_WIDTH = min(ENDS), 13
 # Steps of the search for the best slope, each of which leaves two thirds of an interval.
@@ -49,6 +67,50 @@ _NUDGE = 2.0**-16
 _MOST = RESULT.high
 # Words that all tables of an engine may have together.
 MOST_WORDS = 1 << 14
+
+
+@dataclass(frozen=True)
+class LineTable:
+    """The words of one or more blocks of segments, each from q = 0 upwards, or from -1 downwards.
+
+    width: w, the number of bits of the distance within a segment.
+    intercepts: The function in the middle of each segment, as codes of the block's format; in a
+        block for negative q, those of minus the function.
+    slopes: Codes of the same format.
+    labels: For each block the name of its function, and the format of its results.
+    """
+
+    width: int
+    intercepts: tuple[int, ...]
+    slopes: tuple[int, ...]
+    labels: tuple[tuple[str, Fix], ...]
+
+    @property
+    def blocks(self) -> int:
+        return len(self.labels)
+
+    @property
+    def segments(self) -> int:
+        return len(self.slopes) // self.blocks
+
+    def within(self, reach: int) -> Self:
+        """The table without segments that no code of q reaches, whose largest magnitude is given.
+
+        Where there are several blocks, each keeps a power of two of segments, and two at least.
+        """
+        count = min(self.segments, (reach >> self.width) + 1)
+        if self.blocks > 1:
+            count = max(2, 1 << (count - 1).bit_length())
+        kept = [
+            place
+            for block in range(self.blocks)
+            for place in range(block * self.segments, block * self.segments + count)
+        ]
+        return replace(
+            self,
+            intercepts=tuple(self.intercepts[place] for place in kept),
+            slopes=tuple(self.slopes[place] for place in kept),
+        )
 
 
 @dataclass(frozen=True)
@@ -109,14 +171,62 @@ def table_of(function: Function, width: int) -> FunctionTable:
     tanh has the table that is computed in integers.
     """
     if function == TANH:
-        lines = tanh_table(width)
-        return FunctionTable(function, width, RESULT, False, lines.intercepts, lines.slopes)
+        return FunctionTable(function, width, RESULT, False, *tanh_lines(width))
     if not LEAST_WIDTH <= width <= MOST_WIDTH:
         raise InputError(
             f"segment_width: got {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} for functions "
             "other than tanh"
         )
     return _fitted(function, width, format_of(function))
+
+
+@lru_cache
+def tanh_lines(width: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Intercept and slope of tanh in every segment from q = 0 upwards, computed in integers.
+
+    width: 9, 8 or 7: 160 segments of 1/32, 352 of 1/64 or 768 of 1/128.
+
+    The lines meet at the borders of the segments. There each line lies above tanh by half the
+    amount by which a chord lies below it in the middle, so the error at the ends is as large as in
+    the middle. The value at a border is an even code of the result, so that the mean of two, which
+    is the intercept, is a code too.
+
+    Every slope is odd. Therefore the product with a distance has its lowest set bit too far right
+    for a sum half way between two results, and rounding treats q and -q alike: the function is odd.
+    Making a slope odd moves a border by 2**-6 units of the result at most, which no rounding
+    notices.
+    """
+    if width not in ENDS:
+        raise InputError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
+    step = Fraction(1, 1 << (HIDDEN.frac - width))
+    segments = int(ENDS[width] / step)
+    curve = tanh_floors(step, segments, _FRAC)
+    borders = [0]
+    # A slope must stay below 1. The odd slope below 1 is the largest code.
+    steepest = (1 << (WIDTH - 1)) >> (HIDDEN.frac - width)
+    for value in curve[1:-1]:
+        border = _even(int(value) + _overshoot(int(value), step))
+        borders.append(min(border, borders[-1] + steepest))
+    # The last segment is level, half way between tanh at its beginning and 1.
+    level = min(_even((int(curve[-1]) + (1 << _FRAC)) // 2), RESULT.high - 1)
+    borders += [level, level]
+    pairs = list(pairwise(borders))
+    rise = HIDDEN.frac - width
+    intercepts = tuple((low + high) // 2 for low, high in pairs)
+    return intercepts, tuple(((high - low) << rise) - 1 for low, high in pairs)
+
+
+def _overshoot(value: int, step: Fraction) -> int:
+    """How far a line is above tanh at its ends: h**2 |tanh''| / 16, tanh'' = -2 t (1 - t**2)."""
+    one = 1 << _FRAC
+    bend = value * (one * one - value * value) // (one * one)
+    return int(bend * step * step / 8)
+
+
+def _even(value: int) -> int:
+    """The nearest even code of the result for a value with ``_FRAC`` fraction bits."""
+    shift = _FRAC - RESULT.frac + 1
+    return ((value + (1 << (shift - 1))) >> shift) << 1
 
 
 @lru_cache
@@ -174,7 +284,9 @@ def blocks_of(functions: Sequence[Function]) -> int:
 @lru_cache
 def joined(functions: tuple[Function, ...], width: int) -> LineTable:
     """The blocks of some functions, one after the other; for tanh alone, its own table."""
-    return tanh_table(width) if functions == (TANH,) else in_blocks(functions, width)
+    if functions == (TANH,):
+        return LineTable(width, *tanh_lines(width), (("tanh", RESULT),))
+    return in_blocks(functions, width)
 
 
 @lru_cache

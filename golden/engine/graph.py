@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH
+from golden.engine.function_table import LineTable
 from golden.engine.ranges import Range
-from golden.engine.tanh_table import LineTable
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from golden.trained.function import TANH, Function

@@ -1,6 +1,6 @@
 """The program of an engine with one multiplier or several, and a function that executes it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import SimpleNamespace
@@ -20,13 +20,19 @@ from golden.engine.formats import (
     signed_code,
     word_of,
 )
-from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined, segments_of
+from golden.engine.function_table import (
+    SEGMENT_WIDTH,
+    LineTable,
+    check_words,
+    codes_of,
+    joined,
+    segments_of,
+)
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
 from golden.engine.lane_memory import Tabled, block_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
-from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
@@ -349,6 +355,7 @@ def assemble_lanes(
     codes = codes_of(graph.functions)
     weights = [0] * len(words) if beside else []
     texts = ["no weight"] * len(weights)
+    notes = ["fields of steps above"] * len(words)
     left = 0
     for n, step in enumerate(steps):
         term, wait = step.term, step.neuron < 0
@@ -357,6 +364,9 @@ def assemble_lanes(
             left = len(neuron.terms)
         # What follows the terms of a group adds up the sums of lanes.
         adds = not wait and left <= 0
+        operand = "sums of lanes" if adds else operand_text(shared.graph, step)
+        joint = f"{neuron.name} {'=' if step.first else '+'} "
+        notes[n] = operand if wait else f"{joint}{operand}{', done' * step.last}"
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
@@ -388,7 +398,7 @@ def assemble_lanes(
         _table_words(table) if table else (),
         tuple(words),
         pipeline,
-        (*_notes(shared, steps), *["fields of steps above"] * (len(words) - len(steps))),
+        tuple(notes),
         graph.rectifies,
         graph.cut,
         graph.even,
@@ -440,20 +450,6 @@ def _check(shared: LaneGraph, layout: Layout) -> None:
             f"program: got {len(shared.weights)} weights of each lane, expected {places} at most; "
             "more lanes have fewer each"
         )
-
-
-def _notes(shared: LaneGraph, steps: Sequence[Step]) -> Iterator[str]:
-    """What each step does."""
-    left = 0
-    for step in steps:
-        if step.neuron < 0:
-            yield "wait"
-            continue
-        neuron = shared.graph.neurons[step.neuron]
-        left = len(neuron.terms) if step.first else left - 1
-        joint = f"{neuron.name} {'=' if step.first else '+'}"
-        added = "sums of lanes" if left <= 0 else operand_text(shared.graph, step)
-        yield f"{joint} {added}{', done' if step.last else ''}"
 
 
 def operand_text(graph: Graph, step: Step) -> str:

@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, put
-from golden.engine.function_table import joined
+from golden.engine.function_table import LineTable, joined
 from golden.engine.graph import Graph, Kind, start_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, one_by_one, schedule
-from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.learning.corrected import SHORT, Corrected
 from golden.learning.gradient import Pupil
