@@ -20,7 +20,7 @@ from golden.networks.hybrid import Hybrid
 from golden.networks.oracle import error_bounds, exact
 from golden.networks.parallel import Parallel
 from golden.numbers.fixed import Fix
-from golden.numbers.precision import EXACT, SIGNAL
+from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision
 from golden.numbers.signed_digits import signed_digits
 from golden.trained.dense import Dense, DenseNetwork, Quantiser, network_of, tanh
 from golden.trained.function import read_function
@@ -48,16 +48,31 @@ def off(design: Design, mlp: DenseNetwork) -> np.ndarray:
     return np.abs(results - np.clip(real, *ends))
 
 
+@pytest.mark.parametrize(("spread", "seed"), [(0.3, 6), (1.0, 4), (2.0, 5)])
 @pytest.mark.parametrize(
-    ("design", "activation"),
-    [(AdderGraph, "bipartite"), (Hybrid, "precise"), (Parallel, "precise")],
+    ("design", "precision", "activation"),
+    [
+        (AdderGraph, EXACT, "bipartite"),
+        *[
+            (design, precision, activation)
+            for design in (Hybrid, Parallel)
+            for precision, activation in (
+                (EXACT, "precise"),
+                (EXACT, "gradient"),
+                (THESIS, "gradient"),
+            )
+            if precision.name in design.precisions
+        ],
+    ],
 )
-def test_a_bound_holds_where_a_node_is_not_built(design: type[Design], activation: str) -> None:
-    mlp = random_mlp((3, 5, 2), 1.0, 4)
+def test_a_bound_holds_where_a_node_is_not_built(
+    design: type[Design], precision: Precision, activation: str, spread: float, seed: int
+) -> None:
+    mlp = random_mlp((3, 5, 2), spread, seed)
     mlp.layers[1].weights[:, [0, 3]] = 1e-7
-    built = design.of([mlp], Settings(EXACT, activation))
+    built = design.of([mlp], Settings(precision, activation))
     assert built.useless_nodes == 2
-    assert (off(built, mlp) <= error_bounds(built, mlp, EXACT, 3)).all()
+    assert (off(built, mlp) <= error_bounds(built, mlp, precision, 3)).all()
 
 
 def narrow(width: int) -> Settings:

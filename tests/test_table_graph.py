@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.input_error import InputError
 from golden.networks.design import Settings
 from golden.networks.oracle import error_bounds, hidden_weights
 from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
@@ -173,13 +172,3 @@ def test_training_knows_how_far_hidden_words_are_from_their_sums(bits: int) -> N
     # Tables are as near as their tolerance or nearer, and some functions are straight or left out.
     expected = TableGraph.word_error(design.inputs, options)
     assert 0.5 * expected < found < expected
-
-
-def test_tables_that_do_not_fit_their_sums_are_refused() -> None:
-    built = graph(random_learned((3, 2, 2), 0, 1.0, 1))
-    count = len(built.first)
-    message = rf"^table_graph: got {count - 1} tables of 3 words, expected {count}, as many as "
-    with pytest.raises(InputError, match=message):
-        replace(built, first=built.first[:-1])
-    with pytest.raises(InputError, match=f"got {count} tables of 2 words, expected {count}"):
-        replace(built, samples=2)

@@ -80,20 +80,6 @@ class ConstantMatrix(Block):
     search_runs: int = 0
 
     def __post_init__(self) -> None:
-        rows, low, high = len(self.weights), self.in_fmt.low, self.in_fmt.high
-        self.require(
-            len({len(row) for row in self.weights}) == 1 and len(self.biases) == rows,
-            f"{len(self.biases)} biases and rows of {[len(row) for row in self.weights]} weights",
-            "rows of one length and a bias for each",
-        )
-        for name, count, most in (
-            ("finishes", len(self.finishes), rows),
-            ("in_ends", len(self.in_ends), self.inputs),
-        ):
-            self.require(count in (0, most), f"{count} {name}", f"{most} or none")
-        for ends in self.in_ends:
-            codes = f"codes of {self.in_fmt}, the least first"
-            self.require(low <= ends[0] <= ends[1] <= high, f"in_ends {ends}", codes)
         from_0 = (0, None)
         self.check(out_shift=from_0, guard=from_0, adders_per_clock=(1, None), search_runs=from_0)
         self.check(adder_operands=(2, 3))

@@ -63,20 +63,6 @@ class AdderGraph(AtOnce):
 
     def __post_init__(self) -> None:
         _ = self.argmax
-        self.require(
-            len(self.layers) == len(self.activations) + 1,
-            f"{len(self.layers)} layers and activations of {len(self.activations)}",
-            "those of all layers but the last",
-        )
-        hidden = zip(self.layers[:-1], self.activations, self.layers[1:], strict=True)
-        for matrix, tables, after in hidden:
-            rows = len(matrix.weights)
-            self.require(
-                after.inputs == rows and len(tables) in (0, rows),
-                f"{rows} hidden sums, {len(tables)} activations and {after.inputs} weights per row "
-                "behind them",
-                "equal numbers",
-            )
 
     @classmethod
     def build(

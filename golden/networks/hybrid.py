@@ -35,13 +35,6 @@ class Hybrid(Design):
     output_integral: OutputIntegral
 
     def __post_init__(self) -> None:
-        hidden = self.input_integral.hidden
-        behind, tables = self.output_integral.hidden, len(self.activations)
-        self.require(
-            hidden == tables == behind,
-            f"{hidden} nodes, {tables} activations and {behind} weights per output",
-            "equal numbers",
-        )
         self.check_latencies("activations", self.activations)
 
     @classmethod

@@ -97,20 +97,7 @@ class Parallel(Design):
     output_neurons: tuple[Neuron, ...]
 
     def __post_init__(self) -> None:
-        hidden, outputs = self.hidden_neurons, self.output_neurons
-        samples, behind = (sorted({len(n.weights) for n in layer}) for layer in (hidden, outputs))
-        self.require(len(samples) == 1, f"hidden neurons of {samples} weights", "equal numbers")
-        self.require(
-            [len(hidden)] == [len(self.activations)] == behind,
-            f"{len(hidden)} hidden neurons, {len(self.activations)} activations and {behind} "
-            "weights per output",
-            "equal numbers",
-        )
-        # All values of a frame stand in one clock, so either all outputs have the multiplier of a
-        # factor or none.
-        self.check_latencies("hidden neurons", hidden)
         self.check_latencies("activations", self.activations)
-        self.check_latencies("outputs", outputs)
 
     @classmethod
     def build(

@@ -78,15 +78,6 @@ class TableGraph(AtOnce):
 
     def __post_init__(self) -> None:
         _ = self.argmax
-        for tables, matrix, words in (
-            (self.first, self.hidden, self.samples),
-            (self.second, self.output, len(self.hidden.weights)),
-        ):
-            self.require(
-                len(tables) == matrix.inputs and all(t.source < words for t in tables),
-                f"{len(tables)} tables of {words} words",
-                f"{matrix.inputs}, as many as {matrix.entity} adds up",
-            )
 
     @classmethod
     def build(

@@ -297,40 +297,33 @@ class Numbers:
 
     def _sum(self, place: int, node: Sum, total) -> None:
         """Make the number at a sum."""
-        steps, clock = self.graph.steps(place), self.clocks[place]
-        nodes = [self.graph.nodes[one.node] for one in node.operands]
-        values = [
-            one.sign * (known.value >> step.cut << step.move) if isinstance(known, Constant) else 0
-            for one, known, step in zip(node.operands, nodes, steps, strict=True)
-        ]
-        terms = [
-            Term(self.at(one.node, clock), step, one.sign)
-            for one, known, step in zip(node.operands, nodes, steps, strict=True)
-            if not isinstance(known, Constant)
-        ]
-        if len(nodes) > 2:
-            self._three(terms, sum(values), self.graph.passing(place), total)
-        elif len(terms) < 2:
-            (term,) = terms
-            cut, move = term.step.cut, term.step.move
-            make = partial(add_constant, value=sum(values), cut=cut, move=move)
-            self.parts.append(partial(make, term.number, total, minus=term.sign < 0))
+        clock, passing = self.clocks[place], self.graph.passing(place)
+        terms, value = [], 0
+        for one, step in zip(node.operands, self.graph.steps(place), strict=True):
+            known = self.graph.nodes[one.node]
+            if isinstance(known, Constant):
+                value += one.sign * (known.value >> step.cut << step.move)
+            else:
+                terms.append(Term(self.at(one.node, clock), step, one.sign))
+        if len(node.operands) > 2:
+            self._three(terms, value, passing, total)
+            return
+        steps = [term.step for term in terms]
+        make: Callable
+        if len(terms) < 2:
+            cut, move, minus = steps[0].cut, steps[0].move, terms[0].sign < 0
+            make = partial(add_constant, value=value, cut=cut, move=move, minus=minus)
+        elif passing:
+            minus = terms[0].sign != terms[1].sign
+            make = partial(add_above, low_cut=steps[0].cut, move=steps[1].move, minus=minus)
         else:
-            self._two(terms, self.graph.passing(place), total)
-
-    def _two(self, terms: list[Term], passing: int, total) -> None:
-        low, high = terms
-        minus, steps = low.sign != high.sign, (low.step, high.step)
-        if passing:
-            make = partial(add_above, low_cut=low.step.cut, move=high.step.move, minus=minus)
-        else:
-            make = partial(add, label="subtract" if minus else "add", steps=steps, minus=minus)
-            make = partial(make, reverse=low.sign < 0)
-        self.parts.append(partial(make, low.number, high.number, total))
+            minus = terms[0].sign != terms[1].sign
+            label, reverse = "subtract" if minus else "add", terms[0].sign < 0
+            make = partial(add, label=label, steps=tuple(steps), minus=minus, reverse=reverse)
+        self.parts.append(partial(make, *(term.number for term in terms), total))
 
     def _three(self, terms: list[Term], value: int, passing: int, total) -> None:
         """The sum of three numbers, or of two numbers and a constant."""
-        first = terms[0]
         above = wrapping(len(total) - passing) if passing else total
         # Those that are subtracted come last.
         ordered = sorted((term.without(passing) for term in terms), key=lambda term: -term.sign)
@@ -343,9 +336,9 @@ class Numbers:
         )
         self.parts.append(partial(make, value=value >> passing) if len(terms) < 3 else make)
         if passing:
-            start = first.step.cut
+            start = terms[0].step.cut
             bits = partial(append, start=start, end=start + passing)
-            self.parts.append(partial(bits, first.number, above, total))
+            self.parts.append(partial(bits, terms[0].number, above, total))
 
     def finish(self, row: Row, kind: Finish, result) -> None:
         """Make the result of a row, one clock after the last clock of the graph."""
