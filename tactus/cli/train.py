@@ -56,7 +56,7 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
         rest = behind / 2**number + (len(parts) - number - 1) * sum(costs(task, kept))
         ranked = sorted(compared(part, kept, own, workers, rest), key=lambda one: one.rank)
         refused |= {(one.layers, one.restart) for one in ranked if one.refused}
-        kept = [one.candidate for one in ranked[: -(-len(ranked) // 2)]]
+        kept = [(one.layers, one.restart) for one in ranked[: -(-len(ranked) // 2)]]
     return ranked[0], len(refused)
 
 
@@ -137,7 +137,7 @@ def _read(record: Path) -> Iterator[Result]:
     with reading(record, "a record of candidates, which may be deleted"):
         for line in record.read_text(encoding="utf-8").split("\n")[:-1]:
             facts = json.loads(line)
-            yield Result(**facts | {key: tuple(facts[key]) for key in ("layers", "point")})
+            yield Result(**facts | {"layers": tuple(facts["layers"])})
 
 
 def main() -> None:
@@ -232,7 +232,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
             best, refused = choose(task, records / f"{number}.jsonl", workers)
         # On several threads a large product rounds in another way.
         with threadpool_limits(1 if has_many_rows(scene) else None):
-            stages.add(*best.candidate)
+            stages.add(best.layers, best.restart)
         # The processor on which the search began may round in another way. Therefore the errors
         # are computed again for these networks.
         errors: dict[str, Any] = {}

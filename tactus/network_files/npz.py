@@ -4,7 +4,6 @@ An array of a network among several in its file has the network's name before it
 """
 
 import zipfile
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.input_error import InputError, MissingFileError, naming
-from golden.numbers.real import Real
 from golden.trained.dense import LEAK, DenseNetwork, Quantiser
 from golden.trained.function import Function
 from tactus.core.files import reading
@@ -60,10 +58,8 @@ def read(path: Path) -> ParsedNetwork:
         raise MissingFileError(
             f"{path}: no such network, got {', '.join(every)}; make train SCENE=... writes it"
         )
-    named = arrays.pop(ACTIVATIONS, None)
+    named = arrays.pop(ACTIVATIONS, np.array(["tanh"]))
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
-    if named is None:
-        return _parsed(path, numbers, ["tanh"], [LEAK], [None])
     splines = {name: numbers.pop(name) for name in list(numbers) if name.startswith(SPLINE)}
     with naming(f"{path}"):
         functions = tuple(
@@ -87,32 +83,22 @@ def read(path: Path) -> ParsedNetwork:
             f"{path}: {QUANTISERS}: got shape {rows.shape}, expected {(named.size, 6)}"
         )
     with naming(f"{path}: {QUANTISERS}"):
-        found = tuple(map(_quantiser, rows.tolist()))
-    slopes = leaks.tolist() or [LEAK] * named.size
-    return _parsed(path, numbers, named.tolist(), slopes, found or [None] * named.size, functions)
-
-
-def _parsed(
-    path: Path,
-    arrays: dict[str, Real],
-    activations: list[str],
-    leaks: list[float],
-    quantisers: Sequence[Quantiser | None],
-    functions: tuple[Function, ...] = (),
-) -> ParsedNetwork:
-    """The network of these arrays, with the activation, leak and quantiser of each hidden layer."""
-    count = len(activations) + 1
-    for name in [f"{kind}{n}" for n in range(1, count + 1) for kind in "wb"]:
-        if name not in arrays:
-            raise InputError(f"{path}: no array {name!r}, got {', '.join(arrays)}")
-    beyond = f"w{count + 1}"
-    if beyond in arrays:
+        quantisers = [*map(_quantiser, rows.tolist())] or [None] * named.size
+    for name in [f"{kind}{n}" for n in range(1, named.size + 2) for kind in "wb"]:
+        if name not in numbers:
+            raise InputError(f"{path}: no array {name!r}, got {', '.join(numbers)}")
+    beyond = f"w{named.size + 2}"
+    if beyond in numbers:
         raise InputError(
-            f"{path}: got an array {beyond!r} and {count - 1} activations, expected an activation "
+            f"{path}: got an array {beyond!r} and {named.size} activations, expected an activation "
             "for each layer but the last"
         )
-    hidden = zip([*activations, "linear"], [*leaks, LEAK], [*quantisers, None], strict=True)
-    layers = (ParsedLayer(arrays[f"w{n}"], arrays[f"b{n}"], *h) for n, h in enumerate(hidden, 1))
+    slopes = leaks.tolist() or [LEAK] * named.size
+    parts = [*named.tolist(), "linear"], [*slopes, LEAK], [*quantisers, None]
+    layers = (
+        ParsedLayer(numbers[f"w{n}"], numbers[f"b{n}"], *own)
+        for n, own in enumerate(zip(*parts, strict=True), 1)
+    )
     return ParsedNetwork(tuple(layers), functions)
 
 

@@ -40,7 +40,6 @@ class Result:
     validation, test: Root mean square of the bit-true errors in percent, under the scene's
         disturbance; infinite for a refused candidate.
     refused: Why the candidate does not fit in the hardware's formats; empty if it does.
-    point: With many rows, all weights and biases, with which the search goes on.
     """
 
     layers: tuple[int, ...]
@@ -48,12 +47,6 @@ class Result:
     validation: float = float("inf")
     test: float = float("inf")
     refused: str = ""
-    point: tuple[float, ...] = ()
-
-    @property
-    def candidate(self) -> tuple[Any, ...]:
-        """What a training of it gets beside the task."""
-        return self.layers, self.restart, *([self.point] if self.point else [])
 
     @property
     def rank(self) -> tuple[float, int, int]:
@@ -155,10 +148,8 @@ def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
     return [(layers, restart) for layers in searched for restart in starts]
 
 
-def started(
-    task: Task, layers: tuple[int, ...], restart: int, point: Sequence[float] = ()
-) -> DenseNetwork:
-    """The network from which a candidate goes on: a random one, or the one at ``point``."""
+def train(task: Task, layers: tuple[int, ...], restart: int) -> DenseNetwork:
+    """The network of one candidate."""
     member, settings = task.scene.members[task.number], task.scene.training
     shape = (task.training.inputs.shape[1], *layers, task.training.targets.shape[1])
     rng = np.random.default_rng([settings.seed, task.number, *layers, restart])
@@ -168,27 +159,19 @@ def started(
         random = random_layers(shape, kinds, rng, by_name(member.functions))
     else:
         random = starting_weights(shape, rng)
-    if point:
-        return unpacked(np.array(point), random)
-    return on_readings(random, task.normal, [Scale()] * shape[-1])
+    start = on_readings(random, task.normal, [Scale()] * shape[-1])
+    return descended(task, start, task.training, task.validation)
 
 
-def train(task: Task, *candidate: Any) -> Any:
-    """The network of one candidate; see ``started``."""
-    return descended(task, started(task, *candidate), task.training, task.validation)
-
-
-def measure(task: Task, layers: tuple[int, ...], restart: int, *point: Any) -> Result:
+def measure(task: Task, layers: tuple[int, ...], restart: int) -> Result:
     try:
-        found = train(task, layers, restart, *point)
-        network = as_read(task, found)[1]
+        _, network = as_read(task, train(task, layers, restart))
         validation, test = (
             bit_true_error(task, network, part) for part in (task.validation, task.test)
         )
     except InputError as error:
         return Result(layers, restart, refused=str(error))
-    reached = tuple(packed(found).tolist()) if has_many_rows(task.scene) else ()
-    return Result(layers, restart, validation, test, point=reached)
+    return Result(layers, restart, validation, test)
 
 
 @dataclass
@@ -227,8 +210,7 @@ class Stages:
     def trained(self, tasks: list[Task], *candidate: Any) -> list[Any]:
         """The chosen, the tested and the written network, each with its own task."""
         task, seen_more, seen_all = tasks
-        made = started if candidate[2:] else train
-        found = [made(task, *candidate)] * 3
+        found = [train(task, *candidate)] * 3
         if self.scene.training.refit:
             start = self._on_signals(found[0])
             found[1:] = (

@@ -163,22 +163,20 @@ def bends(network: SplineNetwork, inputs: Real) -> tuple[Real, Real]:
     sums = network.sums(network.spread(inputs))
     values, slopes = network.hidden.at(sums)
     back = np.einsum("rhk,ohk->rho", slopes, network.second)
-    straight: list[Real] = []
-    flat: list[Real] = []
-    for h, edges in enumerate(network.first):
-        for i, edge in enumerate(edges):
-            curve = network.bases[i].at(inputs[:, i])[0] @ edge
-            for found, miss in zip((straight, flat), _misses(inputs[:, i], curve), strict=True):
-                found.append(miss[:, np.newaxis] * back[:, h])
-    for o, edges in enumerate(network.second):
-        for h, edge in enumerate(edges):
-            for found, miss in zip(
-                (straight, flat), _misses(sums[:, h], values[:, h] @ edge), strict=True
-            ):
-                here = np.zeros((len(inputs), len(network.second)))
-                here[:, o] = miss
-                found.append(here)
-    return np.array(straight), np.array(flat)
+    ones = np.eye(len(network.second))
+    # What an edge reads, its function of it, and the derivatives of the outputs by that.
+    edges = [
+        (x, basis.at(x)[0] @ edge, back[:, h])
+        for h, row in enumerate(network.first)
+        for x, basis, edge in zip(inputs.T, network.bases, row, strict=True)
+    ] + [
+        (sums[:, h], values[:, h] @ edge, ones[o])
+        for o, row in enumerate(network.second)
+        for h, edge in enumerate(row)
+    ]
+    found = [[miss[:, np.newaxis] * by for miss in _misses(x, y)] for x, y, by in edges]
+    straight, flat = (np.array(part) for part in zip(*found, strict=True))
+    return straight, flat
 
 
 def _used(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.bool_]:
