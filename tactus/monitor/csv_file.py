@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from golden.input_error import InputError
@@ -22,7 +22,8 @@ class GrowingCsv:
     """
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
-        self.path, self.rows = path, 0
+        # The header is not counted.
+        self.path, self.rows = path, -1
         for name in columns:
             if columns.count(name) > 1:
                 raise InputError(f"{path}: column {name!r} would stand twice; rename it")
@@ -32,7 +33,7 @@ class GrowingCsv:
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
             self._file = os.open(path, flags, 0o666)
         self._end = 0
-        self._append([columns])
+        self.append([columns])
 
     def __enter__(self) -> GrowingCsv:
         return self
@@ -41,11 +42,6 @@ class GrowingCsv:
         os.close(self._file)
 
     def append(self, rows: Sequence[Sequence[object]]) -> None:
-        if rows:
-            self._append(rows)
-            self.rows += len(rows)
-
-    def _append(self, rows: Iterable[Sequence[object]]) -> None:
         text = io.StringIO(newline="")
         csv.writer(text, lineterminator="\n").writerows(rows)
         data = text.getvalue().encode()
@@ -58,6 +54,7 @@ class GrowingCsv:
             os.ftruncate(self._file, self._end)
             raise
         self._end += len(data)
+        self.rows += len(rows)
 
 
 def refuse_there(path: Path) -> None:

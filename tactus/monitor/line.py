@@ -55,10 +55,12 @@ class SerialLine:
 
     def read(self) -> bytes:
         """The bytes that have come, after ``PAUSE`` at the latest; none while the port is gone."""
-        if self._port is None and not self._back():
-            time.sleep(PAUSE)
-            return b""
-        assert self._port is not None, "a port that is back is open"
+        if self._port is None:
+            try:
+                self._port, self.cut = self._opened(), ""
+            except FAULTS:
+                time.sleep(PAUSE)
+                return b""
         try:
             first: bytes = self._port.read(1)
             return first + self._port.read(self._port.in_waiting) if first else b""
@@ -88,14 +90,6 @@ class SerialLine:
     def _opened(self) -> serial.Serial:
         # Two programs that read one port would each get a part of the bytes.
         return serial.Serial(self.label, self.baud, timeout=PAUSE, exclusive=True)
-
-    def _back(self) -> bool:
-        try:
-            self._port = self._opened()
-        except FAULTS:
-            return False
-        self.cut = ""
-        return True
 
     def _lost(self, error: Exception) -> None:
         self.cut = _reason(error)

@@ -94,7 +94,9 @@ class Monitor:
                 self._send(line, self.lessons)
             data = line.read()
             with self._lock:
-                self._take(data)
+                if frames := self.decoder.feed(data):
+                    self._take_frames(frames, self._clock())
+                self._tell_faults()
                 self._watch(line)
 
     def actions(self) -> dict[str, Callable[[Any], object]]:
@@ -147,12 +149,6 @@ class Monitor:
         """Whether the board learns, as the newest packet says."""
         return self._newest is not None and "learning" in self._newest.flags
 
-    def _take(self, data: bytes) -> None:
-        frames, now = self.decoder.feed(data), self._clock()
-        if frames:
-            self._take_frames(frames, now)
-        self._tell_faults()
-
     def _take_frames(self, frames: list[Frame], now: float) -> None:
         values = self.board.in_units(frames)
         last = self._newest
@@ -163,9 +159,16 @@ class Monitor:
                 self._lit[flag] = now
                 self._flagged[flag] += 1
             if frame.point:
-                self._take_point(frame.point)
-            if frame.winner:
-                self._judge_winner(frame.winner[0])
+                number, *codes = frame.point
+                if number < len(self._profile):
+                    x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
+                    self._profile[number] = (x, y)
+                else:
+                    what = f"the profile has a point {number}"
+                    self._beyond("point", what, len(self._profile), "hardware")
+            if frame.winner and frame.winner[0] >= len(self.board.scene.outputs):
+                what = f"the largest output is number {frame.winner[0]}"
+                self._beyond("winner", what, len(self.board.scene.outputs), "networks")
             if frame.theta and self.lessons:
                 self.lessons.told(*frame.theta)
             last = frame
@@ -184,26 +187,10 @@ class Monitor:
         if self.csv:
             self.csv.append(self._rows(frames, values, now))
 
-    def _take_point(self, point: tuple[int, ...]) -> None:
-        number, *codes = point
-        if number < len(self._profile):
-            x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
-            self._profile[number] = (x, y)
-        else:
-            self._repeat(
-                "point",
-                f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
-                "board runs the hardware of another scene",
-            )
-
-    def _judge_winner(self, index: int) -> None:
-        count = len(self.board.scene.outputs)
-        if index >= count:
-            self._repeat(
-                "winner",
-                f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
-                "the networks of another scene",
-            )
+    def _beyond(self, kind: str, what: str, count: int, own: str) -> None:
+        """Report a number in a packet that this scene does not have."""
+        expected = f"expected 0 to {count - 1}: the board runs the {own} of another scene"
+        self._repeat(kind, f"{what}, {expected}")
 
     def _rows(self, frames: list[Frame], values: Real, now: float) -> list[Sequence[object]]:
         return [
