@@ -134,7 +134,7 @@ class Shared:
         for job in planned:
             if job.simulator == "ghdl":
                 self._library(job.scene)
-        return run_jobs(planned, lambda _: None, AT_ONCE)
+        return run_jobs(planned, AT_ONCE)
 
 
 def run(*words: str | Path, folder: Path = ROOT, **variables: str) -> CompletedProcess[str]:

@@ -316,7 +316,7 @@ def test_one_hardware_runs_every_scene(tmp_path: Path) -> None:
     planned = plan(scene, SIMULATORS, "engine", build=tmp_path / "build")
     jobs = [replace(job, frames=200) for job in planned]
     outcomes = run_jobs(
-        [replace(job, test="images_one_after_the_other") for job in jobs], lambda _: None, 1
+        [replace(job, test="images_one_after_the_other") for job in jobs], at_once=1
     )
     assert len(outcomes) == len(SIMULATORS)
     for outcome in outcomes:

@@ -83,11 +83,6 @@ class Job:
         return self.folder / "compared.jsonl"
 
     @property
-    def given_file(self) -> Path:
-        """The file from which the bench gets the twin and the recorded frames."""
-        return self.folder / "given.pickle"
-
-    @property
     def trace_file(self) -> Path:
         return self.folder / "trace.jsonl"
 
@@ -114,18 +109,6 @@ class Outcome:
         marks = ("Error: ", "error: ", "FATAL: ")
         marked = [line for line in text.splitlines() if any(mark in line for mark in marks)]
         return marked[0].strip() if marked else "no message"
-
-
-def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
-    """Print one line for a finished bench, and what went wrong."""
-    job = outcome.job
-    verdict = "pass" if outcome.passed else "FAIL"
-    say(
-        f"{verdict}  {job.runs_on:8}  {job.entity:28} "
-        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
-    )
-    if not outcome.passed:
-        say(f"      {outcome.complaint()}\n      log: {outcome.log}")
 
 
 def ready_scene(name: str) -> Scene:
@@ -258,16 +241,18 @@ def bench_input(scene: Scene, shipped: Iterable[Scene] = ()) -> BenchInput:
 
 def run_job(job: Job) -> Outcome:
     shutil.rmtree(job.folder, ignore_errors=True)
+    # The file from which the bench gets the twin and the recorded frames.
+    given = job.folder / "given.pickle"
     with writing(job.folder):
         job.folder.mkdir(parents=True)
-        bench_input(job.scene, shipped_for(job)).write(job.given_file)
+        bench_input(job.scene, shipped_for(job)).write(given)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} {scene_variable(job.scene)}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
-        "given": str(job.given_file.resolve()),
+        "given": str(given.resolve()),
         "entity": job.entity,
         "frames": job.frames,
         "result": str(job.result_file.resolve()),
@@ -299,7 +284,7 @@ def run_job(job: Job) -> Outcome:
         job.folder / "log.txt",
     )
     # The recorded frames in it would fill the disk if there are many entities.
-    job.given_file.unlink()
+    given.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)
     if not outcome.passed:
         check_room(job.folder, f"{job.entity} in {job.runs_on}")
@@ -348,19 +333,19 @@ def scene_variable(scene: Scene) -> str:
 
 def run_jobs(
     jobs: list[Job],
-    tell: Callable[[Outcome], None],
     at_once: int | None = None,
     work: Callable[[Job], Outcome] = run_job,
+    listen: Callable[[Outcome], None] = lambda _: None,
 ) -> list[Outcome]:
     """Run all jobs, as many at a time as there are cores, and return their outcomes in that order.
 
-    ``tell`` is called for each outcome in the moment in which it is there, in whatever order.
+    ``listen`` is called for each outcome in the moment in which it is there, in whatever order.
     """
     with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
         running = [pool.submit(work, job) for job in jobs]
         try:
             for future in as_completed(running):
-                tell(future.result())
+                listen(future.result())
         finally:
             # After an error, or when the user stops the command, no other job begins.
             pool.shutdown(cancel_futures=True)
@@ -368,22 +353,25 @@ def run_jobs(
 
 
 def run_shown(
-    title: str,
-    jobs: list[Job],
-    work: Callable[[Job], Outcome],
-    every: bool = True,
+    title: str, jobs: list[Job], work: Callable[[Job], Outcome], every: bool = True
 ) -> list[Outcome]:
-    """Run all jobs as ``run_jobs`` does, print the progress, and tell ``every`` outcome or only
-    the failures."""
+    """Run all jobs as ``run_jobs`` does, and print the progress, with a line for ``every`` outcome
+    or for the failures alone."""
     with Progress(title, len(jobs), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:
+            job, verdict = outcome.job, "pass" if outcome.passed else "FAIL"
             if every or not outcome.passed:
-                tell(outcome, progress.say)
+                progress.say(
+                    f"{verdict}  {job.runs_on:8}  {job.entity:28} "
+                    f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
+                )
+            if not outcome.passed:
+                progress.say(f"      {outcome.complaint()}\n      log: {outcome.log}")
             progress.step()
 
         def named(job: Job) -> Outcome:
             with progress.running(f"{job.entity} on {job.runs_on}"):
                 return work(job)
 
-        return run_jobs(jobs, listen, work=named)
+        return run_jobs(jobs, work=named, listen=listen)

@@ -21,7 +21,6 @@ board, only play recorded frames, in its own image and, where the bench has some
 rest of their benches would take hours.
 """
 
-import os
 import re
 from collections.abc import Collection, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -37,14 +36,13 @@ from golden.networks.network import Network
 from tactus.boards.bitstream import ice40_netlist
 from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_file
-from tactus.core.progress import Progress
 from tactus.core.templates import environment
 from tactus.scene import load_scene
 from tactus.synth.cells import netlists
 from tactus.synth.timing import routed_netlist
 from tactus.synth.tools import version_of
 from tactus.verify.benches.results import run_kept
-from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_shown, tell
+from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_shown
 from tactus.verify.sign_off.record import (
     EVERY,
     RUNS_IN,
@@ -262,30 +260,28 @@ def record_netlists(blocks: Collection[str]) -> list[Outcome]:
 
     A block of which a bench fails keeps the record that it has.
     """
-    runs: dict[str, list[dict[str, Any]]] = {}
-    outcomes = []
     asked = [(*one, family) for one in entities(blocks) for family in families_of(one[0])]
-    with (
-        ThreadPoolExecutor(os.cpu_count()) as pool,
-        Progress("simulating", len(asked), "netlists") as progress,
-    ):
-        ran = pool.map(lambda one: run_kept(on_cells(one[0], one[2], one[1])), asked)
-        for (job, _, family), outcome in zip(asked, ran, strict=True):
-            tell(outcome, progress.say)
-            progress.step(job.entity)
-            outcomes.append(outcome)
-            runs.setdefault(job.block, []).append(
-                {
-                    "scene": job.scene.name,
-                    "entity": job.entity,
-                    "family": family,
-                    **source(job, outcome.facts["played"]),
-                    "tests": job.test or EVERY,
-                    "compared": outcome.compared,
-                    "frames": outcome.facts.get("frames", 0),
-                    "passed": outcome.passed,
-                }
-            )
+    by_folder = {replace(one[0], form=one[2]).folder: one for one in asked}
+
+    def work(mapped: Job) -> Outcome:
+        job, top, family = by_folder[mapped.folder]
+        return run_kept(on_cells(job, family, top))
+
+    outcomes = run_shown("netlists", [replace(job, form=family) for job, _, family in asked], work)
+    runs: dict[str, list[dict[str, Any]]] = {}
+    for (job, _, family), outcome in zip(asked, outcomes, strict=True):
+        runs.setdefault(job.block, []).append(
+            {
+                "scene": job.scene.name,
+                "entity": job.entity,
+                "family": family,
+                **source(job, outcome.facts["played"]),
+                "tests": job.test or EVERY,
+                "compared": outcome.compared,
+                "frames": outcome.facts.get("frames", 0),
+                "passed": outcome.passed,
+            }
+        )
     for block, lines in runs.items():
         if all(line["passed"] for line in lines):
             write_record(KIND, block, {"runs": lines})
