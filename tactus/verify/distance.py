@@ -23,8 +23,8 @@ from tactus.verify.every_frame.network import Network, looked_up
 from tactus.verify.every_frame.sums import Space, Sum
 
 Ends = tuple[float, float]
-# Frames of the search: drawn, kept, and tried for each sample of those.
-DRAWN, KEPT, TRIED, ROUNDS, MOVED = 20_000, 1, 200, 4, 12
+# Frames of the search: drawn, and tried for each sample of the best of those.
+DRAWN, TRIED, ROUNDS, MOVED = 20_000, 200, 4, 12
 SEED = 1
 
 
@@ -184,8 +184,8 @@ def _table(table: dict[str, Any], of: Known, layer: Dense, tanh: Any) -> Known:
     return Known(values, values, unit, (values * unit - above, values * unit - below))
 
 
-def farthest(given: dict[str, Any], real: Callable[[Any], Any]) -> list[tuple[float, list[int]]]:
-    """The largest difference of each output that a search finds, in codes, and its frame.
+def farthest(given: dict[str, Any], real: Callable[[Any], Any]) -> list[float]:
+    """The largest difference of each output that a search finds, in codes.
 
     `real` gives the outputs in floating point for samples of frames.
     """
@@ -205,17 +205,15 @@ def farthest(given: dict[str, Any], real: Callable[[Any], Any]) -> list[tuple[fl
 
     first, found = apart(drawn), []
     for n in range(len(outputs)):
-        best = 0.0, [0] * len(words)
-        for frame in drawn[np.argsort(first[:, n])[-KEPT:]]:
-            for _ in range(ROUNDS):
-                for k in rng.permutation(len(words))[:MOVED]:
-                    tried = np.repeat(frame[np.newaxis], TRIED, axis=0)
-                    tried[1:, k] = rng.integers(-top, top, TRIED - 1)
-                    tried[1 : TRIED // 2, k] = np.clip(
-                        frame[k] + rng.integers(-64, 65, TRIED // 2 - 1), -top, top - 1
-                    )
-                    differences = apart(tried)[:, n]
-                    frame = tried[int(differences.argmax())]
-                    best = max(best, (float(differences.max()), [int(x) for x in frame]))
+        best, frame = 0.0, drawn[first[:, n].argmax()]
+        for _ in range(ROUNDS):
+            for k in rng.permutation(len(words))[:MOVED]:
+                tried = np.repeat(frame[np.newaxis], TRIED, axis=0)
+                tried[1:, k] = rng.integers(-top, top, TRIED - 1)
+                tried[1 : TRIED // 2, k] = np.clip(
+                    frame[k] + rng.integers(-64, 65, TRIED // 2 - 1), -top, top - 1
+                )
+                differences = apart(tried)[:, n]
+                best, frame = float(differences.max()), tried[differences.argmax()]
         found.append(best)
     return found

@@ -192,7 +192,7 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
         return np.concatenate(results, axis=-1)
 
     lines = [f"{scene.name}: from the trained network, in units of 2^-{SIGNAL.frac}, in any frame:"]
-    for name, every, alone, (met, _) in zip(
+    for name, every, alone, met in zip(
         scene.outputs, ends, own, farthest(given, real), strict=True
     ):
         far, near = (up(max(-low, high)) for low, high in (every, alone))
