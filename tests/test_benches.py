@@ -13,7 +13,6 @@ import re
 import signal
 import warnings
 from pathlib import Path
-from typing import Any
 
 import pytest
 from conftest import tiered
@@ -144,30 +143,24 @@ HEAD = "import json, os, pathlib, cocotb, cocotb.triggers\n\n"
 
 
 @pytest.fixture(params=SIMULATORS)
-def wire(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, Any]:
-    """A run of an entity that is a wire. A test writes its bench ``bench.py`` into the folder."""
+def wire(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The simulator in which ``play`` runs benches of an entity that is a wire."""
     for name, text in ((f"{ENTITY}.vhd", VHDL.replace("wire", ENTITY)), (f"{ENTITY}.v", VERILOG)):
         (tmp_path / name).write_text(text)
     if request.param == "ghdl":
         analyse([tmp_path / f"{ENTITY}.vhd"], tmp_path)
-    return {
-        "simulator": request.param,
-        "entity": ENTITY,
-        "module": "bench",
-        "sources": [tmp_path / f"{ENTITY}.v"],
-        "library": tmp_path,
-        "folder": tmp_path / "run",
-        "waves": False,
-    }
+    return request.param
 
 
-def play(run: dict[str, Any], bench: str, **environment: str) -> tuple[bool, str]:
+def play(
+    wire: str, folder: Path, bench: str, waves: bool = False, **environment: str
+) -> tuple[bool, str]:
     """Whether a bench passed, and its log."""
-    folder = run["library"]
     (folder / "bench.py").write_text(HEAD + bench)
     given = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)} | environment
-    log = folder / "log.txt"
-    return simulate(**run, environment=given, log=log), log.read_text()
+    log, sources = folder / "log.txt", [folder / f"{ENTITY}.v"]
+    good = simulate(wire, ENTITY, "bench", sources, folder, folder / "run", waves, given, log)
+    return good, log.read_text()
 
 
 SOUND = """
@@ -192,7 +185,7 @@ async def ends(dut):
 
 
 def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
-    wire: dict[str, Any], capfd
+    wire: str, tmp_path: Path, capfd
 ) -> None:
     def shared_by_the_process() -> list[object]:
         logs = [logging.getLogger(name) for name in ("", "cocotb")]
@@ -200,12 +193,12 @@ def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
         return [*handlers, [(log.level, [*log.handlers]) for log in logs], [*warnings.filters]]
 
     before = shared_by_the_process()
-    good, log = play(wire, SOUND)
+    good, log = play(wire, tmp_path, SOUND)
     assert good, log
     assert "bench.passes" in log
     assert capfd.readouterr() == ("", "")
     assert shared_by_the_process() == before
-    assert not list(wire["folder"].glob("*.ghw")) + list(wire["folder"].glob("*.fst"))
+    assert not list((tmp_path / "run").glob("*.ghw")) + list((tmp_path / "run").glob("*.fst"))
 
 
 @pytest.mark.parametrize(
@@ -214,26 +207,24 @@ def test_a_bench_that_passes_prints_nothing_and_changes_nothing(
     ids=["wrong", "skipped", "ended", "without-tests"],
 )
 def test_a_bench_that_does_not_pass_is_false_and_its_log_says_why(
-    wire: dict[str, Any], bench: str, said: str, capfd
+    wire: str, tmp_path: Path, bench: str, said: str, capfd
 ) -> None:
-    good, log = play(wire, bench)
+    good, log = play(wire, tmp_path, bench)
     assert not good
     assert said in log
     assert capfd.readouterr() == ("", "")
 
 
-def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: dict[str, Any]) -> None:
-    (wire["library"] / f"{ENTITY}.v").write_text("module other; endmodule\n")
-    for unit in wire["library"].glob("*.cf"):
+def test_what_cannot_be_built_is_false_and_its_log_says_why(wire: str, tmp_path: Path) -> None:
+    (tmp_path / f"{ENTITY}.v").write_text("module other; endmodule\n")
+    for unit in tmp_path.glob("*.cf"):
         unit.unlink()
-    good, log = play(wire, SOUND)
+    good, log = play(wire, tmp_path, SOUND)
     assert not good
     assert ENTITY in log
 
 
-def test_the_environment_is_the_given_one_alone(
-    wire: dict[str, Any], tmp_path: Path, monkeypatch
-) -> None:
+def test_the_environment_is_the_given_one_alone(wire: str, tmp_path: Path, monkeypatch) -> None:
     elsewhere = tmp_path / "elsewhere.xml"
     inherited = {
         "COCOTB_TEST_FILTER": "matches_nothing",
@@ -245,20 +236,20 @@ def test_the_environment_is_the_given_one_alone(
     }
     for name, value in inherited.items():
         monkeypatch.setenv(name, value)
-    good, log = play(wire, SOUND, GIVEN="yes")
+    good, log = play(wire, tmp_path, SOUND, GIVEN="yes")
     assert good, log
-    seen = json.loads((wire["folder"] / "environment.json").read_text())
+    seen = json.loads(((tmp_path / "run") / "environment.json").read_text())
     assert seen["GIVEN"] == "yes"
     assert {name for name in inherited if name in seen} == {"COCOTB_RESULTS_FILE"}
-    assert Path(seen["COCOTB_RESULTS_FILE"]).parent == wire["folder"]
+    assert Path(seen["COCOTB_RESULTS_FILE"]).parent == (tmp_path / "run")
     assert not elsewhere.exists()
 
 
-def test_waves_are_written(wire: dict[str, Any]) -> None:
-    good, log = play(wire | {"waves": True}, SOUND)
+def test_waves_are_written(wire: str, tmp_path: Path) -> None:
+    good, log = play(wire, tmp_path, SOUND, waves=True)
     assert good, log
-    ending = {"ghdl": "ghw", "icarus": "fst"}[wire["simulator"]]
-    assert (wire["folder"] / f"{ENTITY}.{ending}").stat().st_size > 0
+    ending = {"ghdl": "ghw", "icarus": "fst"}[wire]
+    assert ((tmp_path / "run") / f"{ENTITY}.{ending}").stat().st_size > 0
 
 
 def test_a_job_inherits_no_variable_that_changes_a_bench(
