@@ -129,7 +129,7 @@ ASSUMED = (
     "The bit-true model is the judge of the frames that are played, every_frame/network.json that "
     "of all frames. That both follow the network in floating point is shown by the errors on this "
     "page and by the tests of tactus, not by a proof.",
-    "Yosys, z3, GHDL and Icarus read the files correctly, and every_frame/prover.py is right.",
+    "Yosys, z3, GHDL and Icarus read the files correctly, and the prover in every_frame is right.",
     "Equality: registers of the same name start with equal values in both languages. The script "
     "compares GHDL's netlist of the VHDL with the delivered netlist; that this was translated to "
     "Verilog correctly is assumed.",

@@ -11,22 +11,23 @@ fault there is none in the next one. There is a file for each number of clocks, 
 quickly answered and are mostly enough. Each expression of a property is a question of its own,
 which z3 answers far sooner than all of them at once.
 
-Every frame: the prover as one file, and what it proves the delivered hardware to compute.
+Every frame: the prover, and what it proves the delivered hardware to compute.
 """
 
-import ast
 import json
 import re
+import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
+from tactus.core.closure import closure
+from tactus.core.fingerprint import ROOT
 from tactus.core.templates import environment
 from tactus.export.exporter import compile_order
 from tactus.scene import Scene
-from tactus.verify import every_frame
 from tactus.verify.benches.collected import properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.every_frame.specify import description
@@ -116,8 +117,15 @@ def _inputs(job: Job) -> set[str]:
 
 
 NETWORK, REFUSED = "network.json", "refused.txt"
-MAIN = "verdict"
-_ROOM = "tactus.verify.every_frame."
+_PROVER = ("tactus", "verify", "every_frame", "verdict")
+PROVER = '''"""Runs the prover beside this file: prover.py network.json netlist.json."""
+
+import sys
+
+from tactus.verify.every_frame.verdict import main
+
+sys.exit(main())
+'''
 
 
 def write_every_frame(scene: Scene, folder: Path) -> None:
@@ -130,7 +138,12 @@ def write_every_frame(scene: Scene, folder: Path) -> None:
         (place / REFUSED).write_text(f"{reason}\n", encoding="utf-8")
         return
     (place / NETWORK).write_text(text, encoding="utf-8")
-    (place / "prover.py").write_text(one_file(), encoding="utf-8")
+    (place / "prover.py").write_text(PROVER, encoding="utf-8")
+    packages = [".".join(_PROVER[:n]) for n in range(1, len(_PROVER))]
+    for module in closure([".".join(_PROVER), *packages]).values():
+        target = place / module.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(module, target)
 
 
 def readable(given: dict[str, Any]) -> str:
@@ -151,29 +164,3 @@ def readable(given: dict[str, Any]) -> str:
         text = f"{start}\n  {rows}\n {end}" if lines else json.dumps(value)
         entries.append(f'"{key}": {text}')
     return "{\n " + ",\n ".join(entries) + "\n}\n"
-
-
-def one_file() -> str:
-    """The prover's modules in one, each behind those that it imports."""
-    modules: dict[str, str] = {}
-    imports: set[str] = set()
-    _add(MAIN, modules, imports)
-    # What the program is stands at its beginning.
-    about, end, last = modules.pop(MAIN).partition('"""\n\n')
-    return "\n\n".join([about + end + "\n".join(sorted(imports)), *modules.values(), last])
-
-
-def _add(module: str, modules: dict[str, str], imports: set[str]) -> None:
-    text = (Path(every_frame.__path__[0]) / f"{module}.py").read_text(encoding="utf-8")
-    lines = text.splitlines()
-    for node in reversed(ast.parse(text).body):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(_ROOM):
-            inner = str(node.module).removeprefix(_ROOM)
-            if inner not in modules:
-                _add(inner, modules, imports)
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            imports.add(ast.unparse(node))
-        else:
-            continue
-        del lines[node.lineno - 1 : node.end_lineno]
-    modules[module] = "\n".join(lines).strip() + "\n"
