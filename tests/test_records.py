@@ -1,7 +1,6 @@
 """Records are of the present source; proofs, equality and coverage of blocks can fail."""
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -207,6 +206,8 @@ def test_a_stale_record_names_the_command(rows: Job, tmp_path: Path, monkeypatch
     found = read_record("proof", "output_controller")
     monkeypatch.setattr(record, "RECORDS", tmp_path)
     (missing,) = prove.check_record([rows])
+    (lost,) = record.of_another_source(equal.KIND, "engine.rails-lanes", "")
+    assert lost.endswith("is missing; run: make prove BLOCK=engine RECORD=1")
     record.write_record("proof", "output_controller", {**found, "source": "other"})
     (stale,) = prove.check_record([rows])
     record.write_record("proof", "output_controller", {**found, "properties": []})
@@ -352,19 +353,13 @@ OF_EACH_AREA = (
 )
 
 
-@pytest.fixture
-def pair(shared: Shared) -> Callable[[str], Pair]:
-    """A function from a block to its pair of exports, which are made once in a run."""
-
-    def both(block: str) -> Pair:
-        return Pair(shared.subject(block), shared.subject(block, simulator="ghdl"))
-
-    return both
+def pair(shared: Shared, block: str) -> Pair:
+    return Pair(shared.subject(block), shared.subject(block, simulator="ghdl"))
 
 
 @pytest.mark.parametrize("block", QUICK)
-def test_equal(pair: Callable[[str], Pair], block: str) -> None:
-    ((both, differ),) = equal.settle([pair(block)])
+def test_equal(shared: Shared, block: str) -> None:
+    ((both, differ),) = equal.settle([pair(shared, block)])
     assert differ == []
     facts = read_record(equal.KIND, block)
     assert {**facts, "yosys": ""} == {**short(both.facts()), "yosys": ""}
@@ -384,10 +379,10 @@ def test_every_part_is_compared_in_some_case(shared: Shared) -> None:
 
 @pytest.mark.parametrize("block", tiered(PLAYED, OF_EACH_AREA))
 def test_the_netlist_of_the_vhdl_passes_the_bench(
-    pair: Callable[[str], Pair], tmp_path: Path, block: str
+    shared: Shared, tmp_path: Path, block: str
 ) -> None:
     """GHDL's netlist behaves as its simulator does, because the same bench passes."""
-    both = pair(block)
+    both = pair(shared, block)
     job = replace(both.verilog, build=tmp_path)
     shutil.copytree(both.verilog.hdl_folder, job.hdl_folder)
     for entity in both.entities:
@@ -395,20 +390,6 @@ def test_the_netlist_of_the_vhdl_passes_the_bench(
         (job.hdl_folder / f"{entity}.v").write_text(text)
     outcome = run_job(job)
     assert outcome.passed, outcome.complaint()
-
-
-def test_a_record_of_another_source_is_stale(
-    pair: Callable[[str], Pair], tmp_path: Path, monkeypatch
-) -> None:
-    both = pair("output_controller")
-    facts = read_record(equal.KIND, "output_controller")
-    monkeypatch.setattr(record, "RECORDS", tmp_path)
-    (complaint,) = both.stale()
-    assert complaint.endswith(record.PROVE.format("output_controller"))
-    record.write_record(equal.KIND, "output_controller", {**facts, "source": "another"})
-    (complaint,) = both.stale()
-    assert "is of another source" in complaint
-    assert complaint.endswith(record.PROVE.format("output_controller"))
 
 
 # Small entities in both languages: ports, declarations and statements. x is signed, u is not.
