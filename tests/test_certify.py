@@ -19,7 +19,7 @@ from shared import Shared, run
 
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
-from tactus.certify.command import certify, room_in
+from tactus.certify.command import certify
 from tactus.certify.delivered import (
     EVERY_FRAME,
     OUTPUT,
@@ -208,15 +208,6 @@ def test_a_full_disk_is_amber_and_no_fault_of_the_hardware(copied: Path) -> None
     assert {"no fault of the hardware" in one.figure for one in read_results(copied)} == {True}
     (full / "dd").unlink()
     assert check(copied, "verilog", PATH=path) == 1
-
-
-def test_a_certificate_on_a_full_disk_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(RuntimeError, match="a tool failed"), room_in(Path.cwd()):
-        raise RuntimeError("a tool failed")
-    monkeypatch.setattr("tactus.core.files.ROOM", 1 << 80)
-    said = re.escape(f"{Path.cwd().parent}: the disk is full")
-    with pytest.raises(InputError, match=said), room_in(Path.cwd()):
-        raise RuntimeError("a tool failed")
 
 
 def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> None:

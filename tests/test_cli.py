@@ -32,11 +32,8 @@ from tactus.core.files import check_writable
 from tactus.core.finding import faults
 from tactus.core.fingerprint import fingerprint
 from tactus.rig.check import everything
-from tactus.scene import Scene, load_scene
+from tactus.scene import Scene
 from tactus.verify.benches.blocks import block_names
-from tactus.verify.benches.runner import Job, run_job
-from tactus.verify.benches.simulate import analyse
-from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
@@ -195,21 +192,6 @@ def test_a_disk_without_room_is_one_line(disk: tuple[Path, Callable], words: str
         assert line.endswith(REASONS)
     shutil.rmtree(folder / "build", ignore_errors=True)
     assert fingerprint([folder]) == before
-
-
-def test_what_tools_leave_out_for_want_of_room_is_no_fault_of_the_hardware(
-    tmp_path: Path, monkeypatch
-) -> None:
-    write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
-    scene = load_scene(str(tmp_path / "mine.toml"))
-    job = Job(scene, "hybrid", "hybrid", "networks", (), "icarus", build=tmp_path)
-    monkeypatch.setattr("tactus.verify.benches.runner.simulate", lambda *_: False)
-    assert not run_job(job).passed
-    monkeypatch.setattr("tactus.core.files.ROOM", 1 << 80)
-    with pytest.raises(InputError, match="the disk is full, so nothing is known of hybrid in"):
-        run_job(job)
-    with pytest.raises(InputError, match="the disk is full, so nothing is known of the exported"):
-        analyse([tmp_path / "none.vhd"], tmp_path)
 
 
 OFFERED = [command for command in COMMANDS if command.module]

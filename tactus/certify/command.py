@@ -6,13 +6,9 @@ says what it found. The exit code is that of the script, with 0 for amber.
 """
 
 import shutil
-import subprocess
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 
-from golden.input_error import InputError
 from tactus.certify.delivered import (
     LANGUAGES,
     OUTPUT,
@@ -28,7 +24,7 @@ from tactus.certify.delivered import (
 from tactus.certify.page import write_page
 from tactus.core.cli import stop_if_dry_run
 from tactus.core.commands import arguments_of
-from tactus.core.files import check_room, replace_folder
+from tactus.core.files import replace_folder
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import processor_line, processor_minutes
@@ -56,37 +52,25 @@ def certify(
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     # Tools run in folders of their own, so the path is absolute.
     with replace_folder((build / scene.name / "certificate").resolve()) as folder:
-        with room_in(folder):
-            print(f"{scene.name}: writing the certificate", flush=True)
-            with stage("  still writing", quick=True, pause=SILENCE):
-                frames = frames_of(scene, random, seed, recorded)
-                properties = deliver(scene, build, folder, frames)
-            digests = write_digests(folder)
-            print(f"{scene.name}: running {SCRIPT}", flush=True)
-            # The step that runs is the one behind the last result.
-            with stage(
-                lambda: f"  still step {[*STEPS, STEPS[-1]][len(read_results(folder))]}",
-                quick=True,
-                pause=SILENCE,
-            ):
-                check(folder)
+        print(f"{scene.name}: writing the certificate", flush=True)
+        with stage("  still writing", quick=True, pause=SILENCE):
+            frames = frames_of(scene, random, seed, recorded)
+            properties = deliver(scene, build, folder, frames)
+        digests = write_digests(folder)
+        print(f"{scene.name}: running {SCRIPT}", flush=True)
+        # The step that runs is the one behind the last result.
+        with stage(
+            lambda: f"  still step {[*STEPS, STEPS[-1]][len(read_results(folder))]}",
+            quick=True,
+            pause=SILENCE,
+        ):
+            check(folder)
         results = read_results(folder)
         write_page(scene, frames, seed, properties, results, digests, folder)
         if all(result.colour != "red" for result in results):
             shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
     return results
-
-
-@contextmanager
-def room_in(folder: Path) -> Iterator[None]:
-    """Say so if a step failed, or may have, because a disk is full: tools do not always tell."""
-    try:
-        yield
-    except (InputError, OSError, RuntimeError, subprocess.SubprocessError):
-        check_room(folder.parent, "the hardware")
-        raise
-    check_room(folder.parent, "the hardware")
 
 
 def main() -> int:

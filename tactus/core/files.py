@@ -9,7 +9,6 @@ import os
 import secrets
 import shutil
 import stat
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -19,8 +18,6 @@ from golden.input_error import InputError, MissingFileError, suggest
 from tactus.core.cli import DISK
 from tactus.core.folders import refuse_installed
 
-# With less than this left on a disk, something may not have been written.
-ROOM = 1 << 20
 # A recorded object that is longer takes a line for each key.
 WIDTH = 100
 
@@ -221,19 +218,6 @@ def _refuse_other(path: Path) -> None:
             raise IsADirectoryError(errno.EISDIR, "got a folder, expected a file")
         if not stat.S_ISREG(mode):
             raise OSError(errno.EINVAL, "got no regular file, expected a file")
-
-
-def check_room(folder: Path, what: str) -> None:
-    """Refuse to tell ``what``, if the disk is so full that tools may have failed for this reason.
-
-    Tools do not always say so, or in many lines.
-    """
-    for place in (folder, Path(tempfile.gettempdir())):
-        if shutil.disk_usage(place).free < ROOM:
-            raise InputError(
-                f"{place}: the disk is full, so nothing is known of {what}; expected {ROOM >> 20} "
-                "MB or more that are free"
-            )
 
 
 @contextmanager

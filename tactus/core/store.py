@@ -1,15 +1,9 @@
 """The store: one folder, ``build/store``, for everything that is kept between runs.
 
-An answer is kept under a key. The key holds its kind and all parts on which the answer depends,
-each under a name. A part is the content of a file or a folder, a digest of code
-(``tactus/core/closure.py``), or a fact such as a seed or the version of a tool. The file of an
-answer shows these parts as well, so a comparison of two files tells why something was computed
-again.
-
-Each file is written beside its place and then renamed. If two processes find the same answer at
-once, each of them leaves a complete file. A damaged file counts as missing. The environment
-variable ``TACTUS_STORE`` names another folder: the nightly run names an empty one, so it uses
-nothing that an earlier run found.
+An answer is kept under a key, which names all that the answer depends on; ``docs/architecture.md``
+tells of what parts it is made. If two processes find the same answer at once, each of them leaves a
+complete file. The nightly run names an empty folder in ``TACTUS_STORE``, so it uses nothing that an
+earlier run found.
 """
 
 import hashlib

@@ -5,9 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +15,6 @@ from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.window import Window
 from tactus.core.table import (
     holds_texts,
     number_of,
@@ -36,7 +34,6 @@ if TYPE_CHECKING:
 MOST_OUTSIDE = 0.1
 
 Rows = NDArray[np.intp]
-Number = TypeVar("Number", Real, Rows)
 
 
 @dataclass(frozen=True)
@@ -62,48 +59,24 @@ class Recorded:
     """Inputs and targets of a scene's networks, for every row that has a complete past.
 
     The rows of the recordings follow each other, one recording after the other.
+
+    inputs, shape (rows, inputs): The networks' inputs in the units of the sensors.
+    sensors, shape (rows, sensors): The newest frame of each row, in the same units.
+    targets, shape (rows, outputs): In the units of the outputs.
+    groups, shape (rows,): See ``Recording``.
+    numbers, shape (rows,): The number of each row in its file, counted from 0.
+    runs, shape (rows,): The index of the recording of each row.
+    without_past: The number of rows that are not used because their past is not complete.
     """
 
     recordings: tuple[Recording, ...]
-    window: Window
-
-    @cached_property
-    def inputs(self) -> Real:
-        """The networks' inputs in the units of the sensors, shape (rows, inputs)."""
-        return np.concatenate([self.window.frames(one.sensors) for one in self.recordings])
-
-    @cached_property
-    def sensors(self) -> Real:
-        """The newest frame of each row, shape (rows, sensors)."""
-        return self._whole([one.sensors for one in self.recordings])
-
-    @cached_property
-    def targets(self) -> Real:
-        """The targets in the units of the outputs, shape (rows, outputs)."""
-        return self._whole([one.targets for one in self.recordings])
-
-    @cached_property
-    def groups(self) -> Real:
-        return self._whole([one.groups for one in self.recordings])
-
-    @cached_property
-    def numbers(self) -> Rows:
-        """The number of each row in its file, counted from 0, shape (rows,)."""
-        return self._whole([one.numbers for one in self.recordings])
-
-    @cached_property
-    def runs(self) -> Rows:
-        """The index of the recording of each row, shape (rows,)."""
-        counts = [len(one.numbers) - self.window.past for one in self.recordings]
-        return np.repeat(np.arange(len(counts)), counts)
-
-    @property
-    def without_past(self) -> int:
-        """The number of rows that are not used because their past is not complete."""
-        return self.window.past * len(self.recordings)
-
-    def _whole(self, parts: list[Number]) -> Number:
-        return np.concatenate([part[self.window.past :] for part in parts])
+    inputs: Real
+    sensors: Real
+    targets: Real
+    groups: Real
+    numbers: Rows
+    runs: Rows
+    without_past: int
 
 
 def read_recorded(scene: Scene) -> Recorded:
@@ -115,7 +88,16 @@ def read_recorded(scene: Scene) -> Recorded:
                 f"{one.path}: got {len(one.numbers)} rows, expected more than the {past} that "
                 f"data.window of {scene.path} reaches back"
             )
-    return Recorded(recordings, scene.window)
+    parts = [
+        (one.sensors, one.targets, one.groups, one.numbers, np.full(len(one.numbers), run))
+        for run, one in enumerate(recordings)
+    ]
+    sensors, targets, groups, numbers, runs = (
+        np.concatenate([part[past:] for part in kind]) for kind in zip(*parts, strict=True)
+    )
+    inputs = np.concatenate([scene.window.frames(one.sensors) for one in recordings])
+    without = past * len(recordings)
+    return Recorded(recordings, inputs, sensors, targets, groups, numbers, runs, without)
 
 
 def place_names(scene: Scene) -> dict[float, str]:

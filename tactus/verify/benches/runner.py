@@ -22,7 +22,7 @@ from typing import Any
 from golden.common.block import Block, parts_of, walk
 from golden.input_error import InputError
 from tactus.core.cli import HASH_SEED
-from tactus.core.files import check_room, replace_folder, writing
+from tactus.core.files import replace_folder, writing
 from tactus.core.fingerprint import ROOT, fingerprint
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
@@ -286,8 +286,6 @@ def run_job(job: Job) -> Outcome:
     # The recorded frames in it would fill the disk if there are many entities.
     given.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)
-    if not outcome.passed:
-        check_room(job.folder, f"{job.entity} in {job.runs_on}")
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome

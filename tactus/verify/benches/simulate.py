@@ -20,7 +20,6 @@ import find_libpython
 from cocotb_tools import config
 
 from golden.input_error import InputError
-from tactus.core.files import check_room
 
 # This backend of GHDL is twice as fast as the default. Without it, Debian's ghdl takes another.
 BACKEND = os.environ.get("GHDL_BACKEND", "llvm")
@@ -62,7 +61,6 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         check=False,
     )
     if result.returncode:
-        check_room(library.parent, "the exported files")
         raise InputError(result.stderr.strip())
 
 
