@@ -40,9 +40,10 @@ def offset(data, total, *, constant: int):
 
 
 @block
-def horner(clk, square, total, *, constants: Horner, bracket_width, square_frac, rounding):
+def horner(clk, square, total, *, constants: Horner, bracket_width, twin: Pade):
     """``total`` is k0 + s (k1 + s k2), two clocks after ``square``, which is s."""
-    first, second = constants.shifts(square_frac)
+    first, second = constants.shifts(twin.square_frac)
+    rounding = twin.rounding
     product = signed(len(square) + constants.k2.bit_length())
     exact = signed(len(product))
     inner = signed(max(2, len(product) + 1 - first))
@@ -85,16 +86,17 @@ def hold(clk, enable, data, data_late):
 
 
 @block
-def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, rounding):
+def regression(clk, enable, busy, ratio, value, *, twin: Pade):
     """``value`` becomes ``start`` with ``enable``, and ``start - value * ratio`` with ``busy``."""
+    start = twin.start
     high = int(value.max) - 1
     low = int(value.min)
     exact = signed(len(value) + len(ratio))
     # This computes start - cut(exact) with a single row of carries. -x is the inverse of x - 1, and
     # rounding adds a half; so start, the one and the half together are one constant, which has one
     # fraction bit where the result is rounded.
-    fraction = 1 if rounding is Rounding.ROUND else 0
-    dropped = ratio_frac - fraction
+    fraction = 1 if twin.rounding is Rounding.ROUND else 0
+    dropped = twin.ratio.out_frac - fraction
     constant = (start << fraction) + 1
     kept = signed(len(exact) - dropped)
     less = signed(max(len(kept), constant.bit_length() + 1) + 1)
@@ -205,8 +207,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             all_ratio,
             constants=spec.ratio,
             bracket_width=widths["ratio_bracket"],
-            square_frac=spec.square_frac,
-            rounding=rounding,
+            twin=spec,
         ),
         low_signed(all_ratio, ratio_start),
         horner(
@@ -215,8 +216,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
             numerator,
             constants=spec.numerator,
             bracket_width=widths["numerator_bracket"],
-            square_frac=spec.square_frac,
-            rounding=rounding,
+            twin=spec,
         ),
         delay(clk, None, q, late_q, clocks=3),
         ops.multiply(late_q, numerator, exact_dividend),
@@ -233,16 +233,7 @@ def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
         low_unsigned(all_dividend, dividend),
         count,
         watch,
-        regression(
-            clk,
-            start,
-            busy,
-            ratio,
-            reciprocal,
-            start=spec.start,
-            ratio_frac=spec.ratio.out_frac,
-            rounding=rounding,
-        ),
+        regression(clk, start, busy, ratio, reciprocal, twin=spec),
         ops.multiply(dividend, reciprocal, quotient),
         hold(clk, ready, quotient, quotient_held),
         hold(clk, ready, negative_held, negative_late),

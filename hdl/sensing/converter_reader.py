@@ -54,14 +54,15 @@ def scan(clk, rst, slot, starts, *, reader: ConverterReader):
 
 
 @block
-def transfer(clk, rst, *, starts, running, half, read, turn, halves: int, clocks: int):
+def transfer(clk, rst, *, starts, running, half, read, turn, reader: ConverterReader):
     """Counts the half periods of a transfer: ``half`` is their number, from 0.
 
     ``sclk`` is low in the even ones and high in the odd ones, each one clock late, because it comes
     from a register. ``read`` is high in the first clock of each even one: at its end ``sclk``
     falls, or, in the first, has not risen yet. ``turn`` is high in the last clock of each odd one.
     """
-    final, top = halves - 1, clocks - 1
+    clocks = reader.half_clocks
+    final, top = 2 * reader.part.clocks, clocks - 1
     whole = flag()
 
     @always_seq(clk.posedge, reset=rst)
@@ -188,8 +189,7 @@ def converter_reader(
     """
     part, inputs = spec.part, spec.inputs
     last_bit, order_width = part.clocks, len(part.commands[0])
-    halves = 2 * part.clocks + 1
-    final, last_slot, end = halves - 1, inputs - 1, spec.slots - 1
+    final, last_slot, end = 2 * part.clocks, inputs - 1, spec.slots - 1
     head = order_width - 1
     slot = unsigned(spec.slot_width)
     half = unsigned(final.bit_length())
@@ -204,15 +204,7 @@ def converter_reader(
 
     count = scan(clk, rst, slot, starts, reader=spec)
     clock_bits = transfer(
-        clk,
-        rst,
-        starts=starts,
-        running=running,
-        half=half,
-        read=read,
-        turn=turn,
-        halves=halves,
-        clocks=spec.half_clocks,
+        clk, rst, starts=starts, running=running, half=half, read=read, turn=turn, reader=spec
     )
     look_up = rom(
         slot,

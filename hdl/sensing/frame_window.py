@@ -12,9 +12,9 @@ from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing: int):
+def judge(clk, rst, in_: Stream, *, accept, good, broken, twin: FrameWindow):
     """Tells which samples belong to frames, and how frames end: as input_controller, undelayed."""
-    final = sensors - 1
+    final, spacing = twin.sensors - 1, twin.spacing
     count = unsigned(max(1, final.bit_length()))
     dropping, complete, early = flag(), flag(), flag()
 
@@ -78,16 +78,7 @@ def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Frame
     turn = unsigned(max(1, final.bit_length()))
     accept, good, broken, sending, closing = (flag() for _ in range(5))
     yields = flag() if spec.past else good
-    count = judge(
-        clk,
-        rst,
-        in_,
-        accept=accept,
-        good=good,
-        broken=broken,
-        sensors=spec.sensors,
-        spacing=spec.spacing,
-    )
+    count = judge(clk, rst, in_, accept=accept, good=good, broken=broken, twin=spec)
     past = [past_whole(clk, rst, good, yields, past=spec.past)] if spec.past else []
 
     @always(clk.posedge)
