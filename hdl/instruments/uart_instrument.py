@@ -5,8 +5,8 @@ from myhdl import always_comb, always_seq, block
 from golden.instruments.uart_instrument import UartInstrument
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
-from hdl.common.next_point import next_point
 from hdl.common.signals import Group, Stream, fixed, flag, unsigned
+from hdl.common.stream import next_point
 from hdl.instruments.readout import readout
 from hdl.link.image_receiver import image_receiver
 from hdl.link.lesson_receiver import lesson_receiver

@@ -7,9 +7,8 @@ from golden.link.packets import CHECK_BYTES, CHECK_PRESET, COUNT_BYTES, FRAME, S
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
 from hdl.common.check_byte import check_byte
-from hdl.common.next_point import next_point
 from hdl.common.signals import Stream, fixed, flag, unsigned
-from hdl.common.stream import position
+from hdl.common.stream import next_point, position
 
 
 @block

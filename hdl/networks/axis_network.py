@@ -6,11 +6,9 @@ from golden.networks.axis_network import TUSER_HALF, AxisNetwork
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
 from hdl.common.delay import connect, delay
-from hdl.common.fifo import fifo, turn
 from hdl.common.lookup import hardware
-from hdl.common.past import past_whole
 from hdl.common.signals import Stream, fixed, flag, unsigned
-from hdl.common.stream import position
+from hdl.common.stream import fifo, past_whole, position, turn
 from hdl.layers.argmax import argmax
 
 

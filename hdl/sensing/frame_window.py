@@ -6,9 +6,9 @@ from myhdl import Signal, always, always_comb, always_seq, block, instances, int
 from golden.sensing.frame_window import FrameWindow
 from hdl.common import ops
 from hdl.common.delay import delay
-from hdl.common.past import past_whole
 from hdl.common.rom import rom
 from hdl.common.signals import Stream, flag, unsigned
+from hdl.common.stream import past_whole
 
 
 @block
