@@ -8,6 +8,7 @@ any page shows.
 
 import re
 from decimal import Decimal
+from html.parser import HTMLParser
 from pathlib import Path
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -69,3 +70,20 @@ def shows(text: str, measured: float, bound: float) -> bool:
     below, above = (0.5 * 10.0 ** int(end.as_tuple().exponent) for end in (ends[0], ends[-1]))
     slack = bound * abs(measured)
     return low - below - slack <= measured <= high + above + slack
+
+
+class HtmlPage(HTMLParser):
+    """Every anchor of a page, and everything that it loads or links to."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.anchors: list[str] = []
+        self.links: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name == "id" or (name == "name" and tag == "a"):
+                self.anchors.append(value or "")
+            elif name in ("src", "href", "xlink:href", "data", "srcset") and value:
+                self.links.append(value)

@@ -12,13 +12,13 @@ import shutil
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from html.parser import HTMLParser
 from itertools import takewhile
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
+from pages import HtmlPage
 from refused import main_of
 from shared import Shared, run
 from test_census import ROOT
@@ -251,29 +251,15 @@ def test_a_documented_command_works(item: Documented, place: Path, monkeypatch, 
     assert sorted(place.rglob("*")) == before
 
 
-class Page(HTMLParser):
-    """The anchors of a page, and its links."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__()
-        self.anchors: set[str] = set()
-        self.links: set[str] = set()
-        self.feed(path.read_text(encoding="utf-8"))
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        for name, value in attrs:
-            if name in ("id", "name") and value:
-                self.anchors.add(value)
-            elif name in ("href", "src") and value:
-                self.links.add(value)
-
-
 def broken_links(site: Path) -> list[str]:
     """Every link to a missing file or anchor. Links to other sites are left out."""
-    pages = {path.resolve(): Page(path) for path in sorted(site.rglob("*.html"))}
+    pages = {
+        path.resolve(): HtmlPage(path.read_text(encoding="utf-8"))
+        for path in sorted(site.rglob("*.html"))
+    }
     found = []
     for path, page in pages.items():
-        for link in sorted(page.links):
+        for link in sorted({*page.links}):
             parts = urlsplit(link)
             if parts.scheme or parts.netloc:
                 continue
@@ -301,7 +287,7 @@ def test_site_is_complete_and_every_link_leads_somewhere(shared: Shared) -> None
     assert result.returncode == 0, result.stderr
     assert [path.name for path in site.parent.iterdir()] == ["site"]
     assert not broken_links(site)
-    start = Page(site / "index.html")
+    start = HtmlPage((site / "index.html").read_text("utf-8"))
     assert "the-blocks" in start.anchors
     for guide in (ROOT / "docs").glob("*.md"):
         assert (site / f"{guide.stem}.html").is_file()

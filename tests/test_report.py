@@ -4,7 +4,6 @@ import csv
 import json
 import re
 import shutil
-from html.parser import HTMLParser
 from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
+from pages import HtmlPage
 from shared import Shared, browse
 
 from golden.common.block import walk
@@ -107,36 +107,17 @@ def test_the_worst_rows_are_those_of_the_file(own_data: dict) -> None:
         assert max(row[-1] for row in table["rows"] if row[0] == name) == worst[name]
 
 
-class Links(HTMLParser):
-    """Everything that a page loads or links to, and every id."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.loads: list[str] = []
-        self.anchors: list[str] = []
-        self.ids: list[str] = []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        for key, value in attrs:
-            if key == "id":
-                self.ids.append(value or "")
-            elif key in ("href", "xlink:href") and (value or "").startswith("#"):
-                self.anchors.append((value or "")[1:])
-            elif key in ("src", "href", "xlink:href", "data", "srcset"):
-                self.loads.append(value or "")
-
-
 def test_the_page_needs_nothing_beside_it_and_every_anchor_leads_somewhere(own: Path) -> None:
     text = own.read_text()
-    links = Links(text)
-    assert [link for link in links.loads if link != "data:,"] == []
+    page = HtmlPage(text)
+    inside = [link[1:] for link in page.links if link.startswith("#")]
+    assert {link for link in page.links if not link.startswith("#")} == {"data:,"}
     assert "@import" not in text
     assert not re.findall(r"url\((?!#)", text)
     assert "<script" not in text
-    assert len(links.ids) == len(set(links.ids))
-    assert set(links.anchors) <= set(links.ids)
-    assert len(links.anchors) > 10
+    assert len(page.anchors) == len(set(page.anchors))
+    assert set(inside) <= set(page.anchors)
+    assert len(inside) > 10
 
 
 def test_text_of_a_table_cannot_become_markup() -> None:
