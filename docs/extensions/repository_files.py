@@ -1,11 +1,9 @@
 """Links that leave ``docs/``: what they lead to becomes a page of the site.
 
 The guides link to files as GitHub needs it, ``../golden/numbers/fixed.py``. Here such a link leads
-to ``files/golden/numbers/fixed.py.html``, which shows the file. A link to a folder leads to a list
-of its files.
+to ``files/golden/numbers/fixed.py.html``, which shows the file.
 """
 
-import html
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +17,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.transforms import SphinxTransform
 
 ROOT = Path(__file__).resolve().parents[2]
-LANGUAGES = {".csv": "text", ".md": "markdown", ".py": "python", ".toml": "toml", "": "text"}
-LIST = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title></head>
-<body><h2>{title}</h2>
-<ul>
-{items}
-</ul></body></html>
-"""
+LANGUAGES = {".md": "markdown", ".py": "python", ".toml": "toml"}
 
 
 class RepositoryLinks(SphinxTransform):
@@ -44,9 +35,11 @@ class RepositoryLinks(SphinxTransform):
             *self.document.findall(addnodes.pending_xref),
         ]
         for link in links:
-            target = (folder / link["reftarget"]).resolve()
+            named = Path(link["reftarget"])
+            # MyST names a page of Markdown by its whole path without the suffix.
+            target = (folder / (f"{named}.md" if named.is_absolute() else named)).resolve()
             outside = target.is_relative_to(ROOT) and not target.is_relative_to(self.env.srcdir)
-            if link.get("refdomain") or not outside or not target.exists():
+            if not outside or not target.is_file():
                 continue
             path = target.relative_to(ROOT).as_posix()
             linked(self.env).setdefault(self.env.docname, set()).add(path)
@@ -63,7 +56,7 @@ class RepositoryLinks(SphinxTransform):
 
 
 def linked(env: BuildEnvironment) -> dict[str, set[str]]:
-    """The files and folders that each page links to."""
+    """The files that each page links to."""
     if not hasattr(env, "repository_links"):
         env.repository_links = {}  # type: ignore[attr-defined]
     return env.repository_links
@@ -78,40 +71,21 @@ def resolve(
 ) -> nodes.Node | None:
     if link["reftype"] != "repository":
         return None
-    path = link["reftarget"]
-    page = f"files/{path}/index" if (ROOT / path).is_dir() else f"files/{path}"
-    uri = app.builder.get_relative_uri(link["refdoc"], page)
+    uri = app.builder.get_relative_uri(link["refdoc"], f"files/{link['reftarget']}")
     return nodes.reference("", "", *link.children, internal=True, refuri=uri)
 
 
 def write_pages(app: Sphinx, exception: Exception | None) -> None:
-    """The pages of files and folders, without the theme: that would double the time."""
+    """The pages of files, without the theme: that would double the time."""
     if exception or app.builder.format != "html":
         return
-    paths = set().union(*linked(app.env).values())
-    folders = {p for p in paths if (ROOT / p).is_dir()}
-    files = {p for p in paths if (ROOT / p).is_file()}
-    for path in folders:
-        shown = {f.name: f.suffix in LANGUAGES for f in (ROOT / path).iterdir() if f.is_file()}
-        files |= {f"{path}/{name}" for name, is_text in shown.items() if is_text}
-        items = [
-            f'<li><a href="{html.escape(name)}.html">{html.escape(name)}</a></li>'
-            if shown[name]
-            else f"<li>{html.escape(name)}</li>"
-            for name in sorted(shown)
-        ]
-        page = LIST.format(title=html.escape(path), items="\n".join(items))
-        write(app.outdir / "files" / path / "index.html", page)
-    for path in files:
+    for path in set().union(*linked(app.env).values()):
         text = (ROOT / path).read_text(encoding="utf-8")
         lexer = get_lexer_by_name(LANGUAGES.get(Path(path).suffix, "text"))
-        page = highlight(text, lexer, HtmlFormatter(full=True, title=path))
-        write(app.outdir / "files" / f"{path}.html", page)
-
-
-def write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+        page = app.outdir / "files" / f"{path}.html"
+        page.parent.mkdir(parents=True, exist_ok=True)
+        formatter = HtmlFormatter(full=True, title=path)
+        page.write_text(highlight(text, lexer, formatter), encoding="utf-8")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
