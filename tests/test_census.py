@@ -14,7 +14,7 @@ from golden.common.block import Block
 
 ROOT = Path(__file__).parents[1]
 # What is inlined into blocks and has no entity.
-OTHERS = {"boards", "common", "export", "network_parts", "synth"}
+OTHERS = {"boards", "common", "export", "synth"}
 ENTITIES = sorted(
     (path.parent.name, path.stem)
     for path in (ROOT / "hdl").glob("*/*.py")

@@ -7,8 +7,8 @@ from golden.numbers.precision import SIGNAL
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag
 from hdl.common.stream import catch, late_stream, window
+from hdl.layers.input_controller import good_frame, judge
 from hdl.layers.output_collector import output_collector
-from hdl.network_parts.good_frame import good_frame, judge
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 

@@ -1,24 +1,180 @@
 """Engine: multipliers side by side, and a program that computes a whole scene."""
 
-from myhdl import always, always_comb, always_seq, block
+from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH, WORD, WORD_WIDTH
+from golden.engine.image import Sizes
 from golden.engine.lane_groups import partners
 from golden.networks.engine import Engine
 from hdl.common import ops
-from hdl.common.delay import delay
+from hdl.common.delay import connect, delay
+from hdl.common.rom import Constants
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
 from hdl.engine.image_loader import image_loader
 from hdl.engine.lane_accumulate import lane_accumulate
-from hdl.engine.lane_memory import lane_memory
+from hdl.engine.lane_memory import lane_memory, row_of
 from hdl.engine.lane_round import lane_round
 from hdl.engine.operand_memory import operand_memory
 from hdl.engine.program_memory import program_memory
 from hdl.engine.program_ram import program_ram
-from hdl.network_parts.lane_alone import lane_alone
-from hdl.network_parts.lane_image import lane_image
+
+
+@block
+def lane_alone(clk, rst, *, start, run, finish, word, place, kind, read, coeff, design: Engine):
+    """Two words of 18 bits a clock: that of a counter, and what the lane multiplies by.
+
+    start, run, finish: The counter steps; it returns to the first word of the program.
+    word: That of the counter, which steps through the program.
+    place: Where it has bits, the block in which a function is looked up.
+    kind, read: What is made of the word that was read. It says whether the table is looked up.
+    coeff: The weight beside a word of the program, or the intercept or slope of a segment.
+
+    One memory with two read ports: a block RAM of 1024 words. No address needs an addition. Reset
+    puts the counter to the program's first word.
+    """
+    program = design.program
+    begin, bits, top = program.begin, program.row_bits, program.counter_width
+    memory = Constants(program.contents, WIDTH, program.meanings)
+    counter = Signal(modbv(begin, min=0, max=1 << top))
+    stands = flag()
+    counted, step_addr, addr = unsigned(bits), unsigned(bits + 1), unsigned(bits + 1)
+    fetched = unsigned(WIDTH)
+
+    @always_comb
+    def decide():
+        stands.next = finish or not (start or run)
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if stands:
+            counter.next = begin
+        else:
+            counter.next = counter + 1
+
+    widen = ops.widen(counter, counted)
+    join = ops.join(counted, False, step_addr)
+
+    @always(clk.posedge)
+    def fetch():
+        fetched.next = memory[step_addr]
+
+    @always(clk.posedge)
+    def find():
+        coeff.next = memory[addr]
+
+    registers = program.pipeline.memory_registers
+    late = delay(clk, None, fetched, word, clocks=1) if registers else connect(fetched, word)
+    common = decide, step, widen, join, fetch, find, late
+    if not design.looks_up:
+        weigh = ops.join(counted, True, addr)
+
+        kind.read = read.read = True  # The lane's accumulator alone reads these.
+        return common, weigh
+
+    looks, row, wide = flag(), unsigned(program.row_width), unsigned(bits)
+
+    @always_comb
+    def look():
+        looks.next = kind == 1 or kind == 2
+
+    if begin:
+        put_below = ops.widen(row, wide)
+
+        put = put_below
+    else:
+        put_above = ops.join(True, row, wide)
+
+        put = put_above
+
+    @always_comb
+    def choose():
+        if looks:
+            addr.next = concat(wide, kind[1])
+        else:
+            addr.next = concat(counted, True)
+
+    return (
+        common,
+        look,
+        put,
+        choose,
+        row_of(read, place, row, low=program.segment_width, bits=program.segment_bits),
+    )
+
+
+@block
+def lane_image(*, write, write_addr, word, row, put, lane_put, lane_addr, lane_word, sizes: Sizes):
+    """A word of an image is written to the program, to all lanes or to two of them.
+
+    write, write_addr, word, bool, unsigned, unsigned 36 bits: A word of the image, as the loader
+        gives it.
+    row, unsigned ``sizes.program_addr_width`` bits: The address in the program memory.
+    put: The word is one of the program.
+    lane_put, lane_word: Whether each lane takes a word, and which.
+    lane_addr, unsigned: The address in the memory of a lane, whose lower half holds the tables.
+
+    The tables come first, for every lane. Behind them the low bits of the address say where a word
+    goes, 0 to the program and from 1 on to two lanes each, and the bits above are the address
+    there. The tables have a power of two of words, so these bits need only 1 less in the high ones.
+    """
+    table, low = sizes.table_words.bit_length() - 1, sizes.columns.bit_length() - 1
+    top, bits = len(write_addr), len(row)
+    part, joined = unsigned(low), unsigned(top - low)
+    behind = Signal(modbv(0, min=0, max=1 << (top - table)))
+    looked = flag()
+
+    @always_comb
+    def split():
+        part.next = write_addr[low:]
+        looked.next = write_addr[top:table] == 0
+        behind.next = write_addr[top:table] - 1
+
+    @always_comb
+    def join():
+        joined.next = concat(behind, write_addr[table:low])
+
+    @always_comb
+    def place():
+        row.next = joined[bits:]
+        put.next = write and part == 0 and not looked
+
+    @always_comb
+    def choose():
+        if looked:
+            lane_addr.next = write_addr[bits:]
+        else:
+            lane_addr.next = concat(True, row)
+
+    shares = [
+        lane_share(
+            write=write,
+            looked=looked,
+            part=part,
+            word=word,
+            put=lane_put[j],
+            share=lane_word[j],
+            pair=1 + j // 2,
+            low=j % 2 * WIDTH,
+        )
+        for j in range(sizes.lanes)
+    ]
+    return split, join, place, choose, shares
+
+
+@block
+def lane_share(*, write, looked, part, word, put, share, pair: int, low: int):
+    """What one lane takes: tables, and its half of the words with the weights of two lanes."""
+    top = low + WIDTH
+    assert top <= WORD_WIDTH, "the weights of two lanes share a word"
+
+    @always_comb
+    def take():
+        put.next = write and (looked or part == pair)
+        share.next = word[top:low]
+
+    return take
 
 
 @block

@@ -4,11 +4,12 @@ from myhdl import Signal, always, always_comb, always_seq, block, concat, instan
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.learning.corrected import SHORT
-from golden.learning.places import FIELDS
+from golden.learning.places import FIELDS, Places
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.precision import SIGNAL
 from hdl.common import ops
 from hdl.common.delay import delay
+from hdl.common.rom import Constants, rom
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
@@ -17,9 +18,190 @@ from hdl.engine.operand_memory import operand_memory
 from hdl.engine.operand_select import operand_select
 from hdl.engine.round_saturate import round_saturate
 from hdl.engine.table_address import table_address
-from hdl.network_parts.lesson_address import lesson_address
-from hdl.network_parts.lesson_control import lesson_control
-from hdl.network_parts.lesson_memory import lesson_memory
+
+
+@block
+def lesson_address(address, bank, number, mapped, *, places: Places):
+    """The bank of theta, or the number of a placement, in the place that the program leaves.
+
+    address: unsigned ``places.addr_width`` bits.
+    number: unsigned ``places.number_width`` bits.
+    mapped: unsigned ``places.addr_width`` bits.
+    """
+    width, low, bank_bit = places.addr_width, places.placement_width, places.bank_bit
+    top, of_theta, behind = width - 1, width - 2, places.bank_bit + 1
+    kept, rest = flag(), unsigned(low)
+
+    @always_comb
+    def cut():
+        kept.next = address[top]
+        rest.next = address[low:]
+
+    @always_comb
+    def choose():
+        if kept:
+            mapped.next = concat(kept, number, rest)
+        elif address[of_theta]:
+            mapped.next = concat(address[width:behind], bank, address[bank_bit:])
+        else:
+            mapped.next = address
+
+    return cut, choose
+
+
+@block
+def lesson_control(
+    clk,
+    rst,
+    *,
+    stops,
+    waits,
+    ready,
+    learn,
+    opening,
+    studying,
+    goes,
+    finish,
+    keep_run,
+    putting,
+    bad,
+    bank,
+    stepped,
+    shown,
+    written,
+    equation,
+    learn_error,
+    design: LearningEngine,
+):
+    """Begins equations in the clocks that are free, and says to which placement they belong.
+
+    stops: A sample or a known output comes in: an equation that runs is stopped, and begins anew
+        later.
+    waits: No equation begins.
+    ready: Neither a frame nor a placement is computed or kept.
+    learn: Equations may begin.
+    opening, studying: An equation runs: the clock before its first step, and all others.
+    goes: The clock before ``opening``.
+    finish: The last result of the part that runs is stored.
+    keep_run: That part keeps a placement.
+    putting: Not so if this is high: theta has come in, and is the one that is read from then on.
+    bad: A word of the new theta was saturated, so the step is not taken.
+    bank: Where the theta is that is read.
+    stepped: A step has been taken since reset.
+    shown, written, unsigned: The placement of the equation, and the one that is written next.
+    equation, unsigned: Which output the equation is of.
+    learn_error: High for one clock after a step that is not taken.
+    """
+    final = design.outputs - 1
+    passed, kept, put, none, full = (flag() for _ in range(5))
+    most = (1 << design.program.places.number_width) - 1
+
+    @always_comb
+    def judge():
+        passed.next = finish and studying
+        kept.next = finish and keep_run and not putting
+        put.next = finish and keep_run and putting
+        none.next = shown == written
+
+    @always_comb
+    def decide():
+        goes.next = learn and ready and not (none or opening or studying or waits)
+
+    @always_seq(clk.posedge, reset=rst)
+    def open_equation():
+        opening.next = goes
+        if stops or passed:
+            studying.next = False
+        elif opening:
+            studying.next = True
+
+    @always_seq(clk.posedge, reset=rst)
+    def exchange():
+        learn_error.next = passed and bad
+        if put or (passed and not bad):
+            bank.next = not bank
+            stepped.next = True
+
+    # A placement that is being written is not shown.
+    @always_seq(clk.posedge, reset=rst)
+    def follow():
+        if kept:
+            shown.next = written
+            written.next = written + 1
+            equation.next = 0
+            full.next = full or written == most
+        elif passed and equation == final:
+            shown.next = shown + 1
+            equation.next = 0
+        elif passed:
+            equation.next = equation + 1
+        elif none and full:
+            shown.next = shown + 1
+        elif none:
+            shown.next = 0
+
+    return judge, decide, open_equation, exchange, follow
+
+
+@block
+def lesson_memory(
+    clk,
+    rst,
+    *,
+    arrives,
+    taken,
+    goes,
+    jump,
+    equation,
+    segment,
+    look_up,
+    word,
+    table_word,
+    design: LearningEngine,
+):
+    """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
+
+    arrives, taken, goes, jump: In the next clock the counter stands at the first word of a frame,
+        of what keeps a placement, of what all equations begin with, or of the rest of one; of
+        these, the first that is high counts. Otherwise it steps.
+    equation, unsigned: The number of that equation.
+    segment: unsigned.
+    look_up: Where it is low, ``table_word`` is 0.
+    word, table_word, unsigned 36 bits: They come one clock after their addresses.
+    """
+    program = design.program
+    notes = (*program.notes, "not used")
+    memory = Constants(design.contents, WORD_WIDTH, notes)
+    frame, keep, alike, *equations = program.starts
+    width = design.program_addr_width
+    counter = Signal(modbv(frame, min=0, max=1 << width))
+    place = unsigned(width)
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if arrives:
+            counter.next = frame
+        elif taken:
+            counter.next = keep
+        elif goes:
+            counter.next = alike
+        elif jump:
+            counter.next = place
+        else:
+            counter.next = counter + 1
+
+    @always(clk.posedge)
+    def fetch():
+        word.next = memory[counter]
+
+    @always(clk.posedge)
+    def read_table():
+        if look_up:
+            table_word.next = memory[segment]
+        else:
+            table_word.next = 0
+
+    return step, fetch, read_table, rom(equation, place, words=equations)
 
 
 @block
