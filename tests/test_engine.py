@@ -110,13 +110,6 @@ def test_what_does_not_fit_is_refused() -> None:
         Engine.of([wide])
 
 
-def lanes_of(name: str, lanes: int, pipeline: str = "short") -> Engine:
-    """A case of the benches of the engine with several multipliers."""
-    case = CASE[name]
-    options = {"lanes": lanes, "pipeline": pipeline}
-    return Engine.of(case.networks(), Settings(options=options), case.arrangement)
-
-
 @pytest.mark.parametrize("lanes", [1, 2])
 def test_codes_of_one_bit(lanes: int) -> None:
     """A code has no bit above its lowest one, which is 0 half way between two codes."""
@@ -141,7 +134,7 @@ def test_codes_of_one_bit(lanes: int) -> None:
 
 
 def test_no_more_lanes_than_a_layer_has_nodes() -> None:
-    many = lanes_of("least-engine", 16)
+    many = Engine.of(CASE["least-engine"].networks(), Settings(options={"lanes": 16}))
     assert many.lanes == 1
     assert "15 lanes that no layer has a node for" in many.left_out()
 

@@ -16,7 +16,7 @@ from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
 from golden.engine.image import Image
 from golden.engine.integer_network import evaluate
-from golden.engine.lane_memory import block_of
+from golden.engine.memories import block_of
 from golden.input_error import InputError
 from golden.networks.design import Settings
 from golden.networks.engine import Engine

@@ -8,43 +8,8 @@ from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_
 from golden.engine.formats import HIDDEN, PRODUCT_WIDTH, WIDTH, WORD
 from golden.engine.lane_groups import partners
 from golden.engine.lane_program import FIELDS
-from golden.engine.program_memory import later
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
-
-
-@dataclass(frozen=True)
-class OperandMemory(Block):
-    """Words of 18 bits; in each clock one is written and one is read.
-
-    registers: Number of registers behind the memory.
-
-    A word that is read in the clock in which it is written has its old value. A word that was never
-    written is undefined.
-    """
-
-    block = "operand_memory"
-    part_of = "engine"
-    area = "engine"
-    addr_width: int
-    registers: int = 0
-
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        addr = Unsigned(self.addr_width)
-        return (
-            CLOCK,
-            input_port("write", "`data` is written"),
-            input_port("write_addr", "address of the write", addr),
-            input_port("data", "a sample or a result, whose format is that of its neuron", WORD),
-            input_port("read_addr", "address of the read", addr),
-            output_port("word", f"the word at `read_addr`, {later(self.latency)}", WORD),
-        )
-
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
-
 
 _MOST_WIDTH = 48
 

@@ -30,7 +30,7 @@ from golden.engine.function_table import (
 )
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
-from golden.engine.lane_memory import Tabled, block_of
+from golden.engine.memories import Tabled, block_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
 from golden.input_error import InputError

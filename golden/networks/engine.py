@@ -10,7 +10,7 @@ import numpy as np
 from golden.common.block import Block
 from golden.common.flow import Flow, Step, Wire
 from golden.common.port import Port, Unsigned, input_port, output_port
-from golden.engine.datapath import LaneAccumulate, LaneRound, OperandMemory
+from golden.engine.datapath import LaneAccumulate, LaneRound
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WORD
 from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
@@ -19,11 +19,10 @@ from golden.engine.image import Image, Sizes, image_of, own_image
 from golden.engine.image_loader import ImageLoader
 from golden.engine.integer_network import IntegerNetwork
 from golden.engine.lane_groups import assign_to_lanes
-from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
+from golden.engine.memories import LaneMemory, OperandMemory, ProgramMemory, ProgramRam
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import Pipeline
-from golden.engine.program_memory import ProgramMemory, ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.input_error import InputError
@@ -265,13 +264,15 @@ class Engine(Design):
         if self.alone:
             return ()
         if self.loaded:
-            room = LaneMemory.empty(
-                self.loaded.sizes.program_words,
-                self.loaded.sizes.table_words,
+            room = LaneMemory(
+                (0,) * self.loaded.sizes.program_words,
+                (0,) * self.loaded.sizes.table_words,
                 program.segment_width,
-                program.blocks,
+                blocks=program.blocks,
+                written=True,
+                variant=self.variant,
             )
-            return (replace(room, variant=self.variant),) * self.lanes
+            return (room,) * self.lanes
         return tuple(
             LaneMemory(
                 tuple(row[lane] for row in program.weights),

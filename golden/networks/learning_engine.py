@@ -8,12 +8,12 @@ from golden.common.block import Block
 from golden.common.port import Port, input_port, output_port
 from golden.engine.datapath import (
     MultiplyAccumulate,
-    OperandMemory,
     OperandSelect,
     RoundSaturate,
     TableAddress,
 )
 from golden.engine.frame_check import FrameCheck, FrameGuard
+from golden.engine.memories import OperandMemory
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
 from golden.learning.program import EQUATIONS, PIPELINE, LessonProgram, lesson_program

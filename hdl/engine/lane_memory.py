@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, block, concat, instances
 
 from golden.engine.formats import HIDDEN, WIDTH
-from golden.engine.lane_memory import LaneMemory
+from golden.engine.memories import LaneMemory
 from hdl.common import ops
 from hdl.common.delay import connect
 from hdl.common.rom import Constants

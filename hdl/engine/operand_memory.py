@@ -2,8 +2,8 @@
 
 from myhdl import Signal, always, block, intbv
 
-from golden.engine.datapath import OperandMemory
 from golden.engine.formats import WORD
+from golden.engine.memories import OperandMemory
 from hdl.common.delay import connect, delay
 from hdl.common.signals import fixed
 

@@ -3,7 +3,7 @@
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 
 from golden.engine.formats import WORD_WIDTH
-from golden.engine.program_memory import ProgramMemory
+from golden.engine.memories import ProgramMemory
 from hdl.common.delay import connect, delay
 from hdl.common.rom import Constants
 from hdl.common.signals import flag, unsigned

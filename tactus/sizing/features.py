@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from golden.common.block import Block
-from golden.engine.program_memory import ProgramMemory
+from golden.engine.memories import ProgramMemory
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_integral import InputNode

@@ -18,7 +18,7 @@ from golden.activation.lut import Lut
 from golden.activation.precise import Precise
 from golden.activation.rom import Rom
 from golden.common.block import Block
-from golden.engine.program_memory import ProgramMemory, ProgramRam
+from golden.engine.memories import ProgramMemory, ProgramRam
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.trained.dense import Dense, DenseNetwork

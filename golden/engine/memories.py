@@ -1,15 +1,138 @@
-"""lane_memory: holds the weights of one lane and, where they are needed, tables of functions."""
+"""Memories of an engine: of operands, of a program, and of the weights and the table of a lane."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
-from golden.engine.formats import WIDTH, WORD
+from golden.common.port import CLOCK, CLOCKED, Port, Unsigned, input_port, output_port
+from golden.engine.formats import WIDTH, WORD, WORD_WIDTH
 from golden.numbers.fixed import Codes
+
+# The ports that control the counter.
+COUNTER_PORTS = (
+    *CLOCKED,
+    input_port("start", "the counter steps"),
+    input_port("run", "the counter steps; otherwise it rests at the first word of the program"),
+    input_port("finish", "the counter returns to the first word of the program"),
+)
+
+
+def later(clocks: int) -> str:
+    """A text such as "2 clocks later"."""
+    return f"{clocks} clock{'s' * (clocks > 1)} later"
+
+
+@dataclass(frozen=True)
+class OperandMemory(Block):
+    """Words of 18 bits; in each clock one is written and one is read.
+
+    registers: Number of registers behind the memory.
+
+    A word that is read in the clock in which it is written has its old value. A word that was never
+    written is undefined.
+    """
+
+    block = "operand_memory"
+    part_of = "engine"
+    area = "engine"
+    addr_width: int
+    registers: int = 0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        addr = Unsigned(self.addr_width)
+        return (
+            CLOCK,
+            input_port("write", "`data` is written"),
+            input_port("write_addr", "address of the write", addr),
+            input_port("data", "a sample or a result, whose format is that of its neuron", WORD),
+            input_port("read_addr", "address of the read", addr),
+            output_port("word", f"the word at `read_addr`, {later(self.latency)}", WORD),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+
+@dataclass(frozen=True)
+class ProgramMemory(Block):
+    """Words of 36 bits, of which a counter reads one in each clock.
+
+    words: The words of the program.
+    notes: What each word stands for, as a comment in the exported file.
+    registers: Number of registers behind the memory.
+    """
+
+    block = "program_memory"
+    part_of = "engine"
+    area = "engine"
+    words: tuple[int, ...]
+    notes: tuple[str, ...]
+    registers: int = 0
+
+    @property
+    def contents(self) -> tuple[int, ...]:
+        """All words, filled with zeros up to a power of two."""
+        return self.words + (0,) * ((1 << self.addr_width) - len(self.words))
+
+    @property
+    def meanings(self) -> tuple[str, ...]:
+        """What each word stands for; the last text serves all words beyond."""
+        return (*self.notes, "not used")
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the program counter."""
+        return max(1, (len(self.words) - 1).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        word = Unsigned(WORD_WIDTH)
+        counted = output_port("word", f"the word at the counter, {later(self.latency)}", word)
+        return (*COUNTER_PORTS, counted)
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+
+@dataclass(frozen=True)
+class ProgramRam(Block):
+    """Words of 36 bits that can be written, and of which a counter reads one in each clock.
+
+    registers: Number of registers behind the memory.
+
+    A write uses the counter's port, so nothing is read in its clock. A word that was not written
+    since the last reset is undefined; this does no harm, since an image is loaded after each reset.
+    """
+
+    block = "program_ram"
+    part_of = "engine"
+    area = "engine"
+    addr_width: int
+    registers: int = 0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        word = Unsigned(WORD_WIDTH)
+        return (
+            *COUNTER_PORTS,
+            input_port("write", "`data` is written, and nothing is read"),
+            input_port("write_addr", "address of the write", Unsigned(self.addr_width)),
+            input_port("data", "a word of an image", word),
+            output_port(
+                "word",
+                f"the word at the counter, {later(self.latency)}; unchanged by a write",
+                word,
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
 
 
 class Tabled:
@@ -73,11 +196,6 @@ class LaneMemory(Tabled, Block):
     notes: tuple[str, ...] = ()
     blocks: int = 1
     written: bool = False
-
-    @classmethod
-    def empty(cls, weights: int, table: int, segment_width: int, blocks: int) -> Self:
-        """A memory that can be written, with room for so many weights and words of a table."""
-        return cls((0,) * weights, (0,) * table, segment_width, (), blocks, written=True)
 
     @property
     def last_place(self) -> int:
