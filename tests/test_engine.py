@@ -181,11 +181,11 @@ TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x
 KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
 
 
-def frames_of(inputs: int) -> Codes:
+def frames_of(inputs: int, count: int = 40) -> Codes:
     """Random frames, coarse ones whose sums are half way between codes, and rails."""
     rng = np.random.default_rng(1)
-    fine = rng.integers(SIGNAL.low, SIGNAL.high + 1, (30, inputs))
-    coarse = rng.integers(-16, 16, (40, inputs)) << 9
+    fine = rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
+    coarse = rng.integers(-16, 16, (count, inputs)) << 9
     rails = rng.choice([SIGNAL.low, 0, SIGNAL.high], (20, inputs))
     return np.concatenate([fine, coarse, rails])
 

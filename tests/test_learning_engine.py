@@ -40,13 +40,9 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     return scene_of(CASE["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
 
 
-def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:
-    """Valid, data and last of frames one after the other, each behind some clocks."""
-    rows = []
-    for frame in frames.tolist():
-        rows += [(0, 0, 0)] * before
-        rows += [(1, code, int(k == len(frame) - 1)) for k, code in enumerate(frame)]
-    return rows
+def sent(frame: Codes) -> list[tuple[int, int, int]]:
+    """Valid, data and last of a frame."""
+    return [(1, code, int(k == len(frame) - 1)) for k, code in enumerate(frame.tolist())]
 
 
 class Desk:
@@ -78,8 +74,8 @@ class Desk:
 
     def show(self, samples: Codes, known: Codes) -> None:
         """A placement: a frame, and its known outputs."""
-        self.play(sent(samples[np.newaxis]), clocks=self.twin.interval)
-        self.play([], sent(known[np.newaxis]), clocks=60)
+        self.play(sent(samples), clocks=self.twin.interval)
+        self.play([], sent(known), clocks=60)
 
     def learn(self, count: int) -> None:
         """Until so many steps were taken."""
@@ -97,11 +93,11 @@ def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
         known = np.clip(twin.process(frame) + rng.integers(-3000, 3001, twin.outputs), *SIGNAL_ENDS)
         desk.show(frame, known)
     desk.learn(3 * twin.outputs)
-    frame = sent(codes[:1])
+    frame = sent(codes[0])
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
     assert np.abs(desk.timeline.pupil.codes).min() > 0
     theta = rng.integers(*SIGNAL_ENDS, 2 * twin.inputs)
-    desk.play([], sent(theta[np.newaxis]), clocks=60, theta=1)
+    desk.play([], sent(theta), clocks=60, theta=1)
     assert desk.timeline.pupil.codes.tolist() == theta.tolist()
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
     desk.clock(0, 0, 0, 0, 0, 0, 0, 0, 1)
@@ -126,8 +122,8 @@ def test_what_is_told_of_the_wrong_length_or_without_a_frame_is_not_kept(
     twin = small.twin()
     desk = Desk(twin)
     if framed:
-        desk.play(sent(np.array([[1000, -2000]])), clocks=twin.interval)
-    told = np.full((1, words), 500)
+        desk.play(sent(np.array([1000, -2000])), clocks=twin.interval)
+    told = np.full(words, 500)
     right = framed and words == (2 * twin.inputs if theta else twin.outputs)
     desk.play([], sent(told), clocks=60, theta=theta)
     assert sum(row[OUTPUTS.index("target_error")] for row in desk.seen) == (not right)

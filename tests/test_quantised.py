@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from onnx.reference.op_run import OpRun
+from test_engine import frames_of
 from test_network_files import QONNX, graph
 
 from golden.engine.neurons import graph_of
@@ -182,15 +183,6 @@ def plans(draw: st.DrawFn) -> Plan:
     )
 
 
-def codes_for(inputs: int, count: int = 60) -> np.ndarray:
-    """Random frames, coarse ones, on which sums lie half way between codes, and rails."""
-    rng = np.random.default_rng(1)
-    fine = rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
-    coarse = rng.integers(-16, 16, (count, inputs)) << 9
-    rails = rng.choice([SIGNAL.low, SIGNAL.high], (10, inputs))
-    return np.concatenate([fine, coarse, rails])
-
-
 def as_output(values: np.ndarray) -> np.ndarray:
     """Codes of the outputs: rounded half up and saturated, once."""
     return np.clip(np.floor(values * 2**SIGNAL.frac + 0.5), SIGNAL.low, SIGNAL.high)
@@ -206,7 +198,7 @@ def hidden_codes(network: DenseNetwork, codes: np.ndarray) -> list[np.ndarray]:
 @given(plan=plans())
 def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan) -> None:
     path = plan.save(tmp_path_factory.mktemp("qonnx"))
-    codes = codes_for(plan.shape[0])
+    codes = frames_of(plan.shape[0])
     samples = SIGNAL.to_real(codes)
     expected = node_by_node(path, samples * plan.unit)
     held = load_network(path, (plan.shape[0], 0, plan.shape[-1]))
@@ -261,7 +253,7 @@ def test_a_network_of_bytes_is_exact_on_the_engine(tmp_path: Path, zero, seed: i
     ]
     nodes[-1].output[0] = "y"
     path = graph(tmp_path, nodes, constants, 3, TensorProto.FLOAT)
-    codes = codes_for(3, 300)
+    codes = frames_of(3, 300)
     samples = SIGNAL.to_real(codes).astype(np.float32)
     (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": samples})
     network = load_network(path, (3, 0, 2))
@@ -369,7 +361,7 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path, of_samples: bool) -> Non
     scene = load_scene(str(path))
     (held,) = scene.networks()
     assert held.quantised
-    codes = codes_for(2)
+    codes = frames_of(2)
     expected = node_by_node(tmp_path / "net.onnx", 4 * SIGNAL.to_real(codes)) / 8
     assert np.array_equal(scene.twin().process(codes), as_output(expected))
     (line,) = quantised_lines(scene)
@@ -399,7 +391,7 @@ def test_the_nearest_network_and_how_many_codes_differ(tmp_path: Path, monkeypat
         load_scene(str(path)).twin()
     path.write_text(path.read_text().replace("[network]", '[network]\nquantised = "nearest"'))
     scene = load_scene(str(path))
-    codes = codes_for(2, 2000)
+    codes = frames_of(2, 2000)
     vectors = SimpleNamespace(codes=codes, inputs=SIGNAL.to_real(codes))
     monkeypatch.setattr(Scene, "vectors", lambda self: vectors)
     (network,), (held,) = scene.networks(), [member.load() for member in scene.members]
@@ -429,8 +421,8 @@ def test_what_only_the_nearest_network_can_hold(tmp_path: Path, change: dict) ->
     first = replace(first, quantiser=replace(first.quantiser, **change))
     network = DenseNetwork((first, last))
     nearest = replace(first, quantiser=replace(first.quantiser, nearest=True))
-    found = hidden_codes(DenseNetwork((nearest, last)), codes_for(2))
-    expected = list(file_codes(network, SIGNAL.to_real(codes_for(2))))
+    found = hidden_codes(DenseNetwork((nearest, last)), frames_of(2))
+    expected = list(file_codes(network, SIGNAL.to_real(frames_of(2))))
     assert np.abs(found[0] - expected[0]).max() <= 1
     assert len(np.unique(found[0])) > 5
     with pytest.raises(InputError, match=r'layer 1: .* or network.quantised = "nearest"$'):

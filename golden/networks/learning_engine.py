@@ -6,12 +6,7 @@ from typing import Self
 
 from golden.common.block import Block
 from golden.common.port import Port, input_port, output_port
-from golden.engine.datapath import (
-    MultiplyAccumulate,
-    OperandSelect,
-    RoundSaturate,
-    TableAddress,
-)
+from golden.engine.datapath import MultiplyAccumulate, OperandSelect, RoundSaturate, TableAddress
 from golden.engine.frame_check import FrameCheck, FrameGuard
 from golden.engine.memories import OperandMemory
 from golden.input_error import InputError
