@@ -12,7 +12,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
-from itertools import chain, pairwise, repeat
+from itertools import chain, repeat
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -176,29 +176,26 @@ class Bench:
         clock = writer(self.dut, "clk") if hasattr(self.dut, "clk") else None
         show = offer.begin(self.dut) if offer else None
         words: list[str] = []
-
-        def halves() -> Iterator[None]:
-            behind = repeat((), offer.most_behind if offer else 0)
-            for number, change in enumerate(chain(changes, behind)):
-                if offer and number >= length + RESET_CLOCKS and not offer.left:
-                    break
-                if clock:
-                    clock(0)
-                for write, value in change:
-                    write(value)
-                if show:
-                    show(number - RESET_CLOCKS)
-                yield
-                row = [read() for read in reads]
-                words.extend(row)
-                if offer:
-                    offer.look(dict(zip(ports, row, strict=True)))
-                if clock:
-                    clock(1)
-                    yield
-
+        half = Timer(5, "ns")
+        behind = repeat((), offer.most_behind if offer else 0)
         started = time.perf_counter()
-        await each_half(halves())
+        for number, change in enumerate(chain(changes, behind)):
+            if offer and number >= length + RESET_CLOCKS and not offer.left:
+                break
+            if clock:
+                clock(0)
+            for write, value in change:
+                write(value)
+            if show:
+                show(number - RESET_CLOCKS)
+            await half
+            row = [read() for read in reads]
+            words.extend(row)
+            if offer:
+                offer.look(dict(zip(ports, row, strict=True)))
+            if clock:
+                clock(1)
+                await half
         return self.watched(Recording(ports, words, time.perf_counter() - started))
 
     def watched(self, recording: Recording) -> Recording:
@@ -404,47 +401,13 @@ def write_trace(path: Path, recordings: list[Recording]) -> None:
             handle.write(json.dumps({"columns": one.columns, "looked": looked}) + "\n")
 
 
-# The functions below use the simulator's own handles and callbacks. cocotb wraps an object around
-# each value, waits for a phase in which it may be written, and resumes a coroutine at each await.
-# Together that takes longer than Icarus takes for a clock. It is not needed here, because no value
-# is written in the step in which it is read, or in which a clock rises.
-
-
-class _EachHalf(Timer):
-    """A trigger that resumes a generator after every half clock and fires when it ends."""
-
-    def __init__(self, halves: Iterator[None]):
-        super().__init__(5, "ns")
-        self.halves = halves
-        self.failed: Exception | None = None
-
-    def _react(self) -> None:
-        try:
-            next(self.halves)
-        except StopIteration:
-            super()._react()
-        except Exception as error:
-            # An exception would be lost in the simulator, so ``each_half`` raises it.
-            self.failed = error
-            super()._react()
-        else:
-            self._prime()
-
-
-async def each_half(halves: Iterator[None]) -> None:
-    """Run a generator to its end. Each of its yields waits for half a clock."""
-    try:
-        next(halves)
-    except StopIteration:
-        return
-    ended = _EachHalf(halves)
-    await ended
-    if ended.failed:
-        raise ended.failed
-
-
 def writer(dut, port: str) -> Callable[[int], None]:
-    """A function that drives a port with a value from now on."""
+    """A function that drives a port with a value from now on.
+
+    It uses the simulator's own handle. cocotb wraps an object around each value and waits for a
+    phase in which it may be written, which takes longer than Icarus takes for a clock. It is not
+    needed here, because no value is written in the step in which it is read, or a clock rises.
+    """
     handle = getattr(dut, port)
     deposit = _GPISetAction.DEPOSIT.value
     write_bits, write_word = handle._handle.set_signal_val_binstr, handle._handle.set_signal_val_int
@@ -473,16 +436,9 @@ def from_reset(drive: dict[str, np.ndarray], resets: bool) -> dict[str, np.ndarr
 def changed(
     columns: Sequence[tuple[Callable[[int], None], np.ndarray]],
 ) -> Iterator[Iterable[tuple[Callable[[int], None], int]]]:
-    """For every clock, the (port, value) pairs that differ from the clock before.
-
-    They are kept in three lists, because a list for each of some 100 000 clocks takes long to make.
-    """
-    count = len(columns[0][1])
-    new = [np.flatnonzero(np.append(True, values[1:] != values[:-1])) for _, values in columns]
-    clocks = np.concatenate(new)
-    order = np.argsort(clocks, kind="stable")
-    found = np.concatenate([v[at] for (_, v), at in zip(columns, new, strict=True)])[order].tolist()
-    source = np.repeat(np.arange(len(columns)), [len(at) for at in new])[order]
-    ports = [columns[i][0] for i in source.tolist()]
-    for start, end in pairwise(np.searchsorted(clocks[order], np.arange(count + 1)).tolist()):
-        yield zip(ports[start:end], found[start:end], strict=True)
+    """For every clock, the (port, value) pairs that differ from the clock before."""
+    before: tuple[int | None, ...] = (None,) * len(columns)
+    for now in zip(*(values.tolist() for _, values in columns), strict=True):
+        changes = zip(columns, now, before, strict=True)
+        yield [(write, value) for (write, _), value, old in changes if value != old]
+        before = now

@@ -1,22 +1,30 @@
-"""The check that the benches of all memories use."""
+"""The test of a memory whose word comes in the clock of its address."""
 
 import numpy as np
 
 from golden.common.border import State
-from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.bench import RESET_CLOCKS, Bench, test_named
+from tb.common.recorded_frames import recorded_inputs
 
 
-async def check_memory(bench: Bench, *more: np.ndarray):
-    """Read every address, then random ones, then the addresses in ``more``.
+def memory_test(module: str):
+    """The test ``every_address`` of a bench, by its name."""
 
-    Each word must appear ``bench.latency`` clocks after its address.
-    """
-    size = 1 << bench.twin.addr_width
-    addresses = np.concatenate([np.arange(size), bench.rng.integers(0, size, 200), *more])
-    recording = await bench.play({"addr": addresses}, ["word"])
-    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
-    seen = recording.unsigned("addr", rows)
-    bench.visit(State("address", range(size)), seen)
-    got = recording.unsigned("word", rows + bench.latency)
-    bench.compare("word", got, bench.twin.process(seen), addr=seen)
-    bench.finish(at_least=len(addresses) - bench.latency)
+    @test_named(module, "every_address")
+    async def every_address(dut):
+        """Read every address, then random ones, then those of recorded frames.
+
+        Each word must appear in the clock of its address.
+        """
+        bench = Bench(dut)
+        size = 1 << bench.twin.addr_width
+        random = bench.rng.integers(0, size, 200)
+        addresses = np.concatenate([np.arange(size), random, *recorded_inputs(bench)])
+        recording = await bench.play({"addr": addresses}, ["word"])
+        rows = np.arange(RESET_CLOCKS, recording.clocks)
+        seen = recording.unsigned("addr", rows)
+        bench.visit(State("address", range(size)), seen)
+        bench.compare("word", recording.unsigned("word", rows), bench.twin.process(seen), addr=seen)
+        bench.finish(at_least=len(addresses))
+
+    return every_address

@@ -1,11 +1,9 @@
 """Verilog that remembers past clocks for properties, and properties that many blocks share."""
 
 import re
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from golden.activation.rom import Rom
 from golden.common.block import Block
 from golden.networks.network import Network
 from tb.common.properties import Property
@@ -189,49 +187,10 @@ def network(
     ]
 
 
-def table(name: str, words: Sequence[int], width: int) -> str:
-    """``name(n)`` is word n of a table; behind the last word it is the last word."""
-    lines = "\n".join(f"{n}: {name} = {width}'d{word};" for n, word in enumerate(words))
-    return f"""
-        function [{width - 1}:0] {name}(input [31:0] n);
-            case (n)
-                {lines}
-                default: {name} = {width}'d{words[-1]};
-            endcase
-        endfunction
-    """
-
-
-def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
-    """The read-only memory gives the twin's word at each address."""
-    late = twin.latency
-    watch = table("twin", twin.words, twin.width)
-    asked = "addr"
-    if late:
-        asked = "asked"
-        watch += f"""
-            reg [{twin.addr_width - 1}:0] asked;
-            always @(posedge clk) asked <= addr;
-        """
-    known = "!after_reset || " if late else ""
-    return Property(
-        name="words",
-        sentence=f"Each of the {1 << twin.addr_width} addresses gives the twin's word"
-        + (f", {late} clock later." if late else ", in the same clock."),
-        states=(f"{known}word == twin({asked})",),
-        watch=watch,
-        reached=(f"{'after_reset && ' if late else ''}{asked} == {len(twin.words) - 1}",),
-        refuted_by=refuted_by,
-        clocks=3,
-        induction=2,
-        whole=True,
-    )
-
-
 def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
     """``signal_n``, for n below ``clocks``, is a signed signal n + 1 clocks ago, without a reset.
 
-    With ``also`` there is ``there`` of ``past`` too.
+    With ``also``, ``there[n]``, for n up to ``clocks``, says that there was such a clock.
     """
     names = [signal, *(f"{signal}_{n}" for n in range(clocks))]
     moves = "\n".join(f"{late} <= {early};" for early, late in pairwise(names))
@@ -241,15 +200,14 @@ def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
             {moves}
         end
     """
-    return text + past(clocks) if also else text
-
-
-def past(clocks: int) -> str:
-    """``there[n]``, for n up to ``clocks``, says that there was a clock n + 1 clocks ago."""
-    return f"""
+    return (
+        text
+        + f"""
         reg [{clocks}:0] there = 0;
         always @(posedge clk) there <= {{there, 1'b1}};
     """
+        * also
+    )
 
 
 def exact_sum(width: int, opens: str, value: str) -> str:

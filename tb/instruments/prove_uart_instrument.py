@@ -143,60 +143,75 @@ def rests(twin):
 
 def uart_receiver(twin):
     bit, half, stop = twin.divisor, twin.divisor // 2, twin.stop_clocks
-    watch = f"""
-        // The line one, two and three clocks ago; clocks to the next look at it, 0 for none, and
-        // looks that were taken.
-        reg one = 1, two = 1, three = 1;
-        reg [7:0] ahead = 0;
-        reg [3:0] looks = 0;
-        always @(posedge clk) begin
-            one <= rx;
-            two <= one;
-            three <= two;
-            if (ahead == 0) begin
-                ahead <= three && !two ? {half} : 0;
-                looks <= 0;
-            end else if (ahead == 1) begin
-                ahead <= looks == 9 || (looks == 0 && two) ? 0 : {bit};
-                looks <= looks + 1;
-            end else ahead <= ahead - 1;
-            if (rst) begin
-                one <= 1;
-                two <= 1;
-                three <= 1;
-                ahead <= 0;
-            end
-        end
-    """
-    ended = """
-        reg good = 0, bad = 0;
-        always @(posedge clk) begin
-            good <= !rst && ahead == 1 && looks == 9 && two;
-            bad <= !rst && ahead == 1 && looks == 9 && !two;
-        end
-    """
-    helps = (
-        f"ahead <= {bit}",
-        "looks <= 9 || ahead == 0",
-        f"ahead == 0 || looks != 0 || ahead <= {half}",
-        "raised == one",
-        "line == two",
-        "earlier == three",
-        "running == (ahead != 0)",
-        f"ahead == 0 || tick == {bit} - ahead",
-        "ahead == 0 || place == looks",
-    )
     return [
         Property(
-            name="looks",
+            name="bytes",
             sentence=f"Where the line falls while no byte is under way, it is read {half} clocks "
             "later, and the byte ends there if the line is 1. If the line is 0, it is read every "
             f"{bit} clocks from then on, nine times, and the byte ends with the last reading. The "
-            "line is read at no other time.",
-            states=("running == (ahead != 0)", "sample == (ahead == 1)"),
-            watch=watch,
-            helps=helps,
-            reached=("looks == 3",),
+            "line is read at no other time. "
+            "One clock after the last of these readings, at the stop bit, out_valid is "
+            "high if the line was 1, and out_data are the eight bits before it, the lowest first. "
+            "If the line was 0, line_error is high. Neither is high in any other clock. "
+            f"From one byte to the next there are at least {twin.interval} clocks.",
+            states=(
+                "running == (ahead != 0)",
+                "sample == (ahead == 1)",
+                "out_valid == good",
+                "line_error == bad",
+                "!good || out_data == bits",
+                f"!out_valid || apart >= {twin.interval}",
+            ),
+            watch=f"""
+                // The line one, two and three clocks ago; clocks to the next look at it, 0 for
+                // none, and looks that were taken.
+                reg one = 1, two = 1, three = 1;
+                reg [7:0] ahead = 0;
+                reg [3:0] looks = 0;
+                reg good = 0, bad = 0;
+                reg [7:0] bits = 0;
+                wire last = ahead == 1 && looks == 9;
+                always @(posedge clk) begin
+                    one <= rx;
+                    two <= one;
+                    three <= two;
+                    good <= !rst && last && two;
+                    bad <= !rst && last && !two;
+                    if (ahead == 1 && looks != 9) bits <= {{two, bits[7:1]}};
+                    if (ahead == 0) begin
+                        ahead <= three && !two ? {half} : 0;
+                        looks <= 0;
+                    end else if (ahead == 1) begin
+                        ahead <= looks == 9 || (looks == 0 && two) ? 0 : {bit};
+                        looks <= looks + 1;
+                    end else ahead <= ahead - 1;
+                    if (rst) begin
+                        one <= 1;
+                        two <= 1;
+                        three <= 1;
+                        ahead <= 0;
+                    end
+                end
+                // Clocks of the byte under way so far.
+                wire [7:0] age = ahead == 0 ? 0 : {half + 1} + {bit} * looks - ahead;
+            """
+            + since("apart", "out_valid", twin.interval),
+            helps=(
+                f"ahead <= {bit}",
+                "looks <= 9 || ahead == 0",
+                f"ahead == 0 || looks != 0 || ahead <= {half}",
+                "raised == one",
+                "line == two",
+                "earlier == three",
+                f"ahead == 0 || tick == {bit} - ahead",
+                "ahead == 0 || place == looks",
+                "ahead == 0 || ((kept ^ bits) >> (looks > 8 ? 0 : 8 - looks)) == 0",
+                f"apart <= {twin.interval}",
+                "out_valid || apart >= age",
+                "!out_valid || ahead == 0",
+            ),
+            reached=("out_valid", "line_error"),
+            whole=True,
             refuted_by=(
                 (r"earlier && \(!line\)", "earlier"),
                 (r"earlier && \(!line\)", "(!line)"),
@@ -204,55 +219,13 @@ def uart_receiver(twin):
                 (rf"tick == {bit - 1}", f"tick == {bit - 2}"),
                 (r"\(place == 0\) && line", "(place == 0) && 0"),
                 (r"\(place == 0\) && line", "line"),
-            ),
-            clocks=stop + 8,
-        ),
-        Property(
-            name="bytes",
-            sentence="One clock after the last of these readings, at the stop bit, out_valid is "
-            "high if the line was 1, and out_data are the eight bits before it, the lowest first. "
-            "If the line was 0, line_error is high. Neither is high in any other clock.",
-            states=("out_valid == good", "line_error == bad", "!good || out_data == bits"),
-            watch=watch
-            + ended
-            + """
-                reg [7:0] bits = 0;
-                always @(posedge clk)
-                    if (ahead == 1 && looks != 9) bits <= {two, bits[7:1]};
-            """,
-            helps=(*helps, "ahead == 0 || ((kept ^ bits) >> (looks > 8 ? 0 : 8 - looks)) == 0"),
-            reached=("out_valid", "line_error"),
-            whole=True,
-            refuted_by=(
                 (r"out_valid <= \(ends && line\)", "out_valid <= ends"),
+                (r"out_valid <= \(ends && line\)", "out_valid <= (sample && line)"),
                 (r"place == 9", "place == 8"),
                 (r"\{line, kept", "{earlier, kept"),
             ),
-            clocks=stop + 6,
-        ),
-        Property(
-            name="distance of bytes",
-            sentence=f"From one byte to the next there are at least {twin.interval} clocks.",
-            states=(f"!out_valid || apart >= {twin.interval}",),
-            watch=watch
-            + ended
-            + since("apart", "out_valid", twin.interval)
-            + f"""
-                // Clocks of the byte under way so far.
-                wire [7:0] age = ahead == 0 ? 0 : {half + 1} + {bit} * looks - ahead;
-            """,
-            helps=(
-                *helps,
-                "out_valid == good",
-                f"apart <= {twin.interval}",
-                "out_valid || apart >= age",
-                "!out_valid || ahead == 0",
-                f"!out_valid || apart >= {twin.interval}",
-            ),
-            reached=("out_valid",),
-            refuted_by=((r"out_valid <= \(ends && line\)", "out_valid <= (sample && line)"),),
-            clocks=stop + 6,
-        ),
+            clocks=stop + 8,
+        )
     ]
 
 

@@ -92,26 +92,23 @@ def properties(twin):
     """
     return [
         Property(
-            name="cause",
+            name="rows in order",
             sentence="Rows are valid in the clocks that follow an in_valid, one for each output, "
-            "and in no others; a reset ends them.",
-            states=("out_valid == (left != 0)",),
+            "and in no others; a reset ends them. One row after the other is asked for. The first "
+            "one comes with in_valid, and out_last marks the last one and no other.",
+            states=(
+                "out_valid == (left != 0)",
+                f"!out_valid || addr == {outputs} - left",
+                "out_last == (left == 1)",
+            ),
             watch=watch,
             helps=(f"due <= {outputs - 1}", f"count == (due == 0 ? 0 : {outputs} - due)"),
-            reached=("out_valid", "!out_valid"),
+            reached=("out_last", "!out_valid"),
             refuted_by=(
                 (r"out_valid = \(in_valid \|\| \(count != 0\)\)", "out_valid = (count != 0)"),
                 (r"rst == 1", "0"),
+                (r"\((\d+) - 1\)", r"(\1)"),
+                (r"count \+ 1", "count + 2"),
             ),
-        ),
-        Property(
-            name="rows in order",
-            sentence="One row after the other is asked for. The first one comes with in_valid, and "
-            "out_last marks the last one and no other.",
-            states=(f"!out_valid || addr == {outputs} - left", "out_last == (left == 1)"),
-            watch=watch,
-            helps=(f"due <= {outputs - 1}", f"count == (due == 0 ? 0 : {outputs} - due)"),
-            reached=("out_last",),
-            refuted_by=((r"\((\d+) - 1\)", r"(\1)"), (r"count \+ 1", "count + 2")),
-        ),
+        )
     ]

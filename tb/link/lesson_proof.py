@@ -15,7 +15,6 @@ def lesson_receiver(twin):
         the_check(twin),
         silence(twin.idle_clocks),
         whole_frames(twin),
-        codes_of_packets(twin),
     ]
 
 
@@ -112,24 +111,41 @@ def the_check(twin):
 
 def whole_frames(twin):
     count = f"(target_theta ? {twin.elements} : {twin.outputs})"
+    words = ["first", *(f"known_word{n}_following" for n in range(twin.codes - 1))]
+    low = f"{HEAD_BYTES + 1} + 2 * chosen"
+    places = (
+        # Codes enter behind the last one and move up, wait, and leave in front.
+        (f"place > {low}", f"{twin.codes} - (place - {HEAD_BYTES}) / 2 + chosen"),
+        ("armed", "chosen"),
+        ("sending && chosen >= count", "chosen - count"),
+    )
     return Property(
         name="whole frames of codes",
         sentence="Codes begin to leave only in the clock after frame_end, and only those of a "
         f"packet that was right before. {twin.outputs} known outputs leave or {twin.elements} "
         "elements of theta, one after the other, the last one with target_last. Each stays until "
-        "it is taken, and so does target_theta.",
+        "it is taken, and so does target_theta. Each code that leaves is made of the two bytes at "
+        f"its place in the packet: the lowest {SIGNAL.width - 8} bits of the first, and the "
+        "second.",
         states=(
             "target_valid == (left != 0)",
             "!target_valid || target_last == (left == 1)",
             "!stood || (target_valid && target_data == before)",
             "!went || target_theta == kind_before",
             "!armed || packets",
+            "!target_valid || chosen != count || target_data == code",
         ),
         watch=f"""
+            // Of any one code, by its number, what it was.
+            (* anyconst *) reg [3:0] chosen;
+            reg [7:0] upper = 0;
+            reg signed [{SIGNAL.width - 1}:0] code;
             reg [7:0] left = 0;
             reg stood = 0, packets = 0, went = 0, kind_before = 0;
             reg [13:0] before = 0;
             always @(posedge clk) begin
+                if (in_valid) upper <= in_data;
+                if (in_valid && place == {low}) code <= {{upper[{SIGNAL.width - 9}:0], in_data}};
                 if (frame_end && armed) left <= {count};
                 else if (target_ready && left != 0) left <= left - 1;
                 stood <= !rst && target_valid && !target_ready;
@@ -145,49 +161,6 @@ def whole_frames(twin):
             "!(sending && armed)",
             f"!armed || place <= {HEAD_BYTES - 1}",
             f"!sending || place <= {HEAD_BYTES}",
-        ),
-        free=("following",),
-        reached=("target_valid && target_last",),
-        refuted_by=(
-            (r"frame_end && armed", "armed"),
-            (r"place >= 3", "place >= 9"),
-            (r"sending && target_ready", "sending"),
-            (r"count == \d+", "count == 0"),
-        ),
-        clocks=twin.packet_bytes + 8,
-    )
-
-
-def codes_of_packets(twin):
-    words = ["first", *(f"known_word{n}_following" for n in range(twin.codes - 1))]
-    low = f"{HEAD_BYTES + 1} + 2 * chosen"
-    places = (
-        # Codes enter behind the last one and move up, wait, and leave in front.
-        (f"place > {low}", f"{twin.codes} - (place - {HEAD_BYTES}) / 2 + chosen"),
-        ("armed", "chosen"),
-        ("sending && chosen >= count", "chosen - count"),
-    )
-    return Property(
-        name="codes of packets",
-        sentence=f"Each code that leaves is made of the two bytes at its place in the packet: the "
-        f"lowest {SIGNAL.width - 8} bits of the first, and the second.",
-        states=("!target_valid || chosen != count || target_data == code",),
-        watch=f"""
-            // Of any one code, by its number, what it was.
-            (* anyconst *) reg [3:0] chosen;
-            reg [7:0] upper = 0;
-            reg signed [{SIGNAL.width - 1}:0] code;
-            always @(posedge clk) if (in_valid) begin
-                upper <= in_data;
-                if (place == {low}) code <= {{upper[{SIGNAL.width - 9}:0], in_data}};
-            end
-        """,
-        helps=(
-            "sending || count == 0",
-            f"count < (putting ? {twin.elements} : {twin.outputs})",
-            "!(sending && armed)",
-            f"!armed || place <= {HEAD_BYTES - 1}",
-            f"!sending || place <= {HEAD_BYTES}",
             f"place <= {twin.packet_bytes - 1}",
             f"place == 0 || high == upper[{SIGNAL.width - 9}:0]",
             *(
@@ -197,8 +170,12 @@ def codes_of_packets(twin):
             ),
         ),
         free=("idle", "following"),
-        reached=("target_valid && chosen == count && count == 1",),
+        reached=("target_valid && target_last", "target_valid && chosen == count && count == 1"),
         refuted_by=(
+            (r"frame_end && armed", "armed"),
+            (r"place >= 3", "place >= 9"),
+            (r"sending && target_ready", "sending"),
+            (r"count == \d+", "count == 0"),
             (r"known_word1_following <= \w+;", "known_word1_following <= 0;"),
             (r"odd = place\[0\]", "odd = (!place[0])"),
             (r"place < \d+", "place < 9"),

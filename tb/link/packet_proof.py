@@ -12,7 +12,6 @@ def packet_sender(twin):
         return [lessons_told(), element_by_element(twin)]
     found = [
         follow_each_other(twin),
-        check_behind(twin),
         checked(twin),
         begin(twin),
         tell(twin),
@@ -47,39 +46,23 @@ def follow_each_other(twin):
         name="bytes of a packet",
         sentence="A packet begins only in a clock in which the line is ready and no byte of "
         f"another packet is left. Its {size} bytes follow from the next clock on, each until it is "
-        "taken, and nothing else follows.",
+        f"taken, and nothing else follows. The last {CHECK_BYTES} of them are the upper byte of "
+        "check, and no byte before them is.",
         states=(
             "!begins || (out_ready && left == 0)",
             "out_valid == (left != 0)",
             f"!out_valid || place == {size} - left",
+            f"left == 0 || out_data == (left > {CHECK_BYTES} ? first : check[15:8])",
         ),
         watch=watch,
         helps=helps,
         # A packet may begin in any clock here. When it begins is a property below.
-        free=("complete", "waited"),
+        free=("complete", "waited", "check", "first"),
         reached=("left == 1",),
         refuted_by=(
             (r"out_ready && \(!sending\)", "(!sending)"),
             (r"out_ready && sending", "sending"),
             (rf"place == {size - 1}", f"place == {size - 2}"),
-        ),
-        clocks=size + 4,
-    )
-
-
-def check_behind(twin):
-    size = twin.layout.packet_bytes
-    watch, helps = left_of(twin)
-    return Property(
-        name="check behind",
-        sentence=f"The last {CHECK_BYTES} bytes of a packet are the upper byte of check, and no "
-        "byte before them is.",
-        states=(f"left == 0 || out_data == (left > {CHECK_BYTES} ? first : check[15:8])",),
-        watch=watch,
-        helps=helps,
-        free=("complete", "waited", "check", "first"),
-        reached=("left == 1",),
-        refuted_by=(
             (rf"place >= {size - CHECK_BYTES}", f"place >= {size - CHECK_BYTES + 1}"),
             (rf"place >= {size - CHECK_BYTES}", f"place >= {size - CHECK_BYTES - 1}"),
         ),

@@ -19,7 +19,7 @@ ONE_AT_A_TIME = "!(frame_start || frame_run) || !(studying || opening || goes)"
 
 
 def properties(twin):
-    return [outputs(twin), sound_readings(twin), whole_updates(), refused_steps()]
+    return [outputs(twin), sound_readings(twin), whole_updates()]
 
 
 def outputs(twin):
@@ -117,21 +117,35 @@ def sound_readings(twin):
 
 
 def whole_updates():
-    """When theta is exchanged."""
+    """When theta is exchanged, and what happens to a step that would leave the range."""
     return Property(
         name="whole updates",
         sentence="While a frame is computed, no equation is, and the theta that is read stays. "
         "It is exchanged in the clock after the last result of an equation in which no word of "
         "the new theta was saturated, and behind a stream of theta, and in no other clock. No "
-        "equation is computed between two words of such a stream.",
+        "equation is computed between two words of such a stream. learn_error is high for one "
+        "clock, in the clock after the last result of an equation in which a word of the new theta "
+        "was saturated.",
         states=(
             "!(frame_start || frame_run) || !studying",
             "!(ran_before && frame_run) || bank == bank_before",
             "reset_before || (bank != bank_before) == ((passed_before && !bad_before) "
             "|| put_before)",
             "!partly || !(studying || opening || goes)",
+            "learn_error == (passed_before && bad_before)",
         ),
-        watch=BEFORE,
+        watch="""
+            reg bank_before, ran_before = 0, passed_before = 0, bad_before, reset_before = 1;
+            reg put_before = 0;
+            always @(posedge clk) begin
+                bank_before <= bank;
+                ran_before <= frame_run;
+                passed_before <= lesson_control0_passed && !rst;
+                bad_before <= bad;
+                put_before <= keep_run && finish && putting && !rst;
+                reset_before <= rst;
+            end
+        """,
         helps=(ONE_AT_A_TIME,),
         # A part may end in any clock.
         free=(*FREE, "finish"),
@@ -139,6 +153,7 @@ def whole_updates():
             "frame_run && ran_before",
             "bank != bank_before && !reset_before",
             "put_before && !reset_before",
+            "learn_error",
         ),
         refuted_by=(
             (r"lesson_control0_passed && \(!bad\)", "lesson_control0_passed"),
@@ -146,42 +161,10 @@ def whole_updates():
             (r"learn && ready &&", "learn &&"),
             (r"lesson_control0_put \|\| ", "finish || "),
             (r"telling \|\| partly", "telling"),
+            (r"learn_error <= \(lesson_control0_passed && bad\)", "learn_error <= bad"),
         ),
         clocks=24,
     )
-
-
-def refused_steps():
-    """What happens to a step that would leave the range."""
-    return Property(
-        name="steps that are refused",
-        sentence="learn_error is high for one clock, in the clock after the last result of an "
-        "equation in which a word of the new theta was saturated. The theta that is read stays.",
-        states=(
-            "learn_error == (passed_before && bad_before)",
-            "!learn_error || put_before || bank == bank_before",
-        ),
-        watch=BEFORE,
-        free=(*FREE, "finish"),
-        refuted_by=(
-            (r"learn_error <= \(lesson_control0_passed && bad\)", "learn_error <= bad"),
-            (r"lesson_control0_passed && \(!bad\)", "lesson_control0_passed"),
-        ),
-    )
-
-
-BEFORE = """
-    reg bank_before, ran_before = 0, passed_before = 0, bad_before, reset_before = 1;
-    reg put_before = 0;
-    always @(posedge clk) begin
-        bank_before <= bank;
-        ran_before <= frame_run;
-        passed_before <= lesson_control0_passed && !rst;
-        bad_before <= bad;
-        put_before <= keep_run && finish && putting && !rst;
-        reset_before <= rst;
-    end
-"""
 
 
 def operand_memory(twin):

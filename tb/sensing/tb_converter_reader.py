@@ -226,50 +226,6 @@ def properties(twin):
     # The first clock of a turn in which the wires are active, and the clock of the verdict.
     first, verdict = twin.begin_clock + 2, verdict_clock(twin)
     least, slots = part.high_clocks(twin.clock), twin.slots
-    clocks = turns(twin)
-    helps = (
-        f"clock_of_scan < {twin.scan_clocks}",
-        "scan0_count == clock_of_scan",
-        f"running == (sensor && into >= {first - 1} && into < {turn - 1})",
-        "half == (running ? halves_next : 0)",
-        *((f"transfer0_tick == (running ? (into - {first - 1}) % {half} : 0)",) * (half > 1)),
-    )
-    timing = Property(
-        name="wires",
-        sentence=f"In each of {twin.inputs} turns of {turn} clocks cs_n is low from clock {first} "
-        f"on, and sclk changes every {'clock' if half == 1 else f'{half} clocks'} from then on, "
-        f"{2 * part.clocks} times. At all other times cs_n is high and sclk is low. Before it "
-        f"falls, cs_n is high for {first} clocks, also after a reset; the part asks for {least}.",
-        states=(
-            "cs_n == !working",
-            "sclk == (working && halves[0])",
-            f"!(was_high && !cs_n) || high_for >= {least}",
-        ),
-        watch=clocks
-        + """
-            reg was_high = 0;
-            reg [15:0] high_for = 0;
-            always @(posedge clk) begin
-                was_high <= cs_n;
-                high_for <= !cs_n ? 0 : high_for == 1000 ? 1000 : high_for + 1;
-            end
-        """,
-        helps=(
-            *helps,
-            "high_for <= 1000",
-            f"!sensor || into > {first} || high_for >= into || high_for == 1000",
-            f"was_high == (high_for != 0) || into == {first} || clock_of_scan == 0",
-        ),
-        reached=("sclk",),
-        refuted_by=(
-            (r"cs_n <= \(!running\)", "cs_n <= 0"),
-            (r"sclk <= \(running && half\[0\]\)", "sclk <= running && half[1]"),
-            (rf"scan0_clock == {twin.begin_clock}\)", "scan0_clock == 0)"),
-            (rf"half == {2 * part.clocks}(\)+ begin\s+running)", r"half == 3\1"),
-        ),
-        clocks=12,
-    )
-
     mask = sum(1 << (part.clocks - clock) for clock in part.zeros)
     low = part.clocks - part.last
     mirror = [f"received[{low + i}] != received[{low - i}]" for i in range(1, part.bits)]
@@ -281,26 +237,70 @@ def properties(twin):
         ]
     )
     telling = f"miso was not 1 before it, was 1 in clock {' or '.join(map(str, part.zeros))}"
-    verdicts = Property(
-        name="verdicts",
-        sentence=f"In clock {verdict} of each turn, and in no other, a transfer is judged. It is "
-        f"wrong exactly where {telling}"
+    transfers = Property(
+        name="transfers",
+        sentence=f"In each of {twin.inputs} turns of {turn} clocks cs_n is low from clock {first} "
+        f"on, and sclk changes every {'clock' if half == 1 else f'{half} clocks'} from then on, "
+        f"{2 * part.clocks} times. At all other times cs_n is high and sclk is low. Before it "
+        f"falls, cs_n is high for {first} clocks, also after a reset; the part asks for {least}. "
+        f"miso is read {part.clocks + 1} times a turn: once before cs_n falls, and in each clock "
+        "at whose end sclk falls. Each bit that is read is kept behind those before it, and "
+        f"nothing else is kept. In clock {verdict} of each turn, and in no other, a transfer is "
+        f"judged. It is wrong exactly where {telling}"
         f"{', or did not repeat the code' if part.mirrored else ''}.",
         states=(
+            "cs_n == !working",
+            "sclk == (working && halves[0])",
+            f"!(was_high && !cs_n) || high_for >= {least}",
+            "!known || received == (reading_ago ? caught : before)",
             f"done == (sensor && into == {verdict})",
             "!done || slot == turn_of_scan",
             f"wrong == ({bad})",
         ),
-        watch=clocks,
-        helps=helps,
-        reached=("wrong", "!wrong"),
+        watch=turns(twin)
+        + f"""
+            reg was_high = 0;
+            reg [15:0] high_for = 0;
+            wire reading = sensor && into >= {first - 1} && into <= {verdict - 1}
+                && (into - {first - 1}) % {2 * half} == 0;
+            reg reading_ago = 0, miso_before = 0, known = 0, begun = 0;
+            reg [{part.clocks}:0] before = 0;
+            wire [{part.clocks}:0] caught = {{before[{part.clocks - 1}:0], miso_before}};
+            always @(posedge clk) begin
+                was_high <= cs_n;
+                high_for <= !cs_n ? 0 : high_for == 1000 ? 1000 : high_for + 1;
+                reading_ago <= reading;
+                miso_before <= miso;
+                before <= received;
+                begun <= 1;
+                known <= begun;
+            end
+        """,
+        helps=(
+            f"clock_of_scan < {twin.scan_clocks}",
+            "scan0_count == clock_of_scan",
+            f"running == (sensor && into >= {first - 1} && into < {turn - 1})",
+            "half == (running ? halves_next : 0)",
+            *((f"transfer0_tick == (running ? (into - {first - 1}) % {half} : 0)",) * (half > 1)),
+            "high_for <= 1000",
+            f"!sensor || into > {first} || high_for >= into || high_for == 1000",
+            f"was_high == (high_for != 0) || into == {first} || clock_of_scan == 0",
+        ),
+        reached=("sclk", "reading_ago && miso_before", "wrong", "!wrong"),
         refuted_by=(
+            (r"cs_n <= \(!running\)", "cs_n <= 0"),
+            (r"sclk <= \(running && half\[0\]\)", "sclk <= running && half[1]"),
+            (rf"scan0_clock == {twin.begin_clock}\)", "scan0_clock == 0)"),
+            (rf"half == {2 * part.clocks}(\)+ begin\s+running)", r"half == 3\1"),
+            (r"if \(read\) begin", "if (1) begin"),
+            (r"\}, miso\}|, miso\}", ", 1'b1}"),
+            (r"running && \(!half\[0\]\)", "running && half[0]"),
             (r"\(!received\[\d+\]\) \|\| ", ""),
             (r"\(judge0_driven != 0\) \|\| ", ""),
             (r"other = 1'b1", "other = 1'b0"),
             (r"done <= \(read && ", "done <= (1 || "),
         ),
-        clocks=8,
+        clocks=12,
     )
     frames = Property(
         name="no frame beside the error",
@@ -357,34 +357,4 @@ def properties(twin):
         ),
         clocks=slots + 8,
     )
-    heard = Property(
-        name="bits",
-        sentence=f"miso is read {part.clocks + 1} times a turn: once before cs_n falls, and in "
-        "each clock at whose end sclk falls. Each bit that is read is kept behind those before it, "
-        "and nothing else is kept.",
-        states=("!known || received == (reading_ago ? caught : before)",),
-        watch=clocks
-        + f"""
-            wire reading = sensor && into >= {first - 1} && into <= {verdict - 1}
-                && (into - {first - 1}) % {2 * half} == 0;
-            reg reading_ago = 0, miso_before = 0, known = 0, begun = 0;
-            reg [{part.clocks}:0] before = 0;
-            wire [{part.clocks}:0] caught = {{before[{part.clocks - 1}:0], miso_before}};
-            always @(posedge clk) begin
-                reading_ago <= reading;
-                miso_before <= miso;
-                before <= received;
-                begun <= 1;
-                known <= begun;
-            end
-        """,
-        helps=helps,
-        reached=("reading_ago && miso_before",),
-        refuted_by=(
-            (r"if \(read\) begin", "if (1) begin"),
-            (r"\}, miso\}|, miso\}", ", 1'b1}"),
-            (r"running && \(!half\[0\]\)", "running && half[0]"),
-        ),
-        clocks=12,
-    )
-    return [timing, heard, verdicts, frames]
+    return [transfers, frames]

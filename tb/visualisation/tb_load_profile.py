@@ -16,7 +16,6 @@ from tb.common.case_library import cases
 from tb.common.profile import check_profile
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
-from tb.common.watch import read_only
 
 CASES = cases("profiles")
 # A shipped scene that the runner gives to the bench.
@@ -223,7 +222,31 @@ def properties(twin):
 
 
 def exp_memory(twin):
-    return [read_only(twin, ((r"0: word <= ", "0: word <= 1 + "),))]
+    lines = "\n".join(f"{n}: twin = {twin.width}'d{word};" for n, word in enumerate(twin.words))
+    return [
+        Property(
+            name="words",
+            sentence=f"Each of the {1 << twin.addr_width} addresses gives the twin's word, 1 clock "
+            "later.",
+            states=("!after_reset || word == twin(asked)",),
+            # Behind the last word it is the last word.
+            watch=f"""
+                function [{twin.width - 1}:0] twin(input [31:0] n);
+                    case (n)
+                        {lines}
+                        default: twin = {twin.width}'d{twin.words[-1]};
+                    endcase
+                endfunction
+                reg [{twin.addr_width - 1}:0] asked;
+                always @(posedge clk) asked <= addr;
+            """,
+            reached=(f"after_reset && asked == {len(twin.words) - 1}",),
+            refuted_by=((r"0: word <= ", "0: word <= 1 + "),),
+            clocks=3,
+            induction=2,
+            whole=True,
+        )
+    ]
 
 
 OF_PARTS = {"exp_memory": exp_memory}

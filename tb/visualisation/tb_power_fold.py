@@ -35,38 +35,34 @@ early = early_test(__name__, pairs)
 
 
 def properties(twin):
-    most = twin.max_power - 1
+    most, late = twin.max_power - 1, twin.latency
     return [
         Property(
-            name="cause",
-            sentence=f"out_valid is high {twin.latency} clocks after an in_valid that neither "
-            "another nor a reset has followed by then, and in no other clock.",
-            states=(f"out_valid == (age == {twin.latency - 1})",),
-            watch="""
-                // Clocks since the last in_valid; 255 where a reset came since or very many have.
-                reg [7:0] age = 255;
-                always @(posedge clk)
-                    age <= rst ? 255 : in_valid ? 0 : age == 255 ? 255 : age + 1;
-            """,
-            helps=(f"remaining == (age < {twin.latency - 1} ? {twin.latency - 1} - age : 0)",),
-            reached=("out_valid",),
-            refuted_by=(
-                (r"remaining <= 10", "remaining <= 11"),
-                (r"&& \(!in_valid\)\)", ")"),
-                (r"remaining <= \(remaining - 1\)", "remaining <= (remaining - 3)"),
-            ),
-            clocks=twin.latency + 6,
-        ),
-        Property(
-            name="no overflow",
-            sentence="The product, the sum with the half that rounds it, and the rounded power are "
-            "those of whole numbers: no bit is lost on the way to the accumulator.",
+            name="one power for each",
+            sentence=f"out_valid is high {late} clocks after an in_valid that neither another nor "
+            "a reset has followed by then, and in no other clock. The product, the sum with the "
+            "half that rounds it, and the rounded power are those of whole numbers: no bit is lost "
+            "on the way to the accumulator. It is multiplied P - 1 times, and for P from 1 to "
+            f"{twin.max_power} no result comes while multiplications are left.",
             states=(
+                f"out_valid == (age == {late - 1})",
                 "whole_rounded == $signed(requantise1_rounded)",
                 "whole_kept == kept",
                 "whole_first == first",
+                "!out_valid || uses == 0",
             ),
+            assumes={
+                f"P is from 1 to {most + 1}.": "!in_valid || "
+                f"(in_power >= 1 && in_power <= {most + 1})"
+            },
             watch=f"""
+                // Clocks since the last in_valid; 255 where a reset came since or very many have.
+                reg [7:0] age = 255;
+                reg seen = 0;
+                always @(posedge clk) begin
+                    age <= rst ? 255 : in_valid ? 0 : age == 255 ? 255 : age + 1;
+                    seen <= rst ? 0 : seen || in_valid;
+                end
                 wire signed [63:0] whole_rounded = $signed({{30'b0, product}})
                     + 64'sd{(1 << twin.in_frac) >> 1};
                 wire signed [63:0] whole_power = whole_rounded >>> {twin.in_frac};
@@ -77,39 +73,29 @@ def properties(twin):
                     >>> {twin.in_frac - twin.out_frac};
                 wire signed [63:0] whole_first = whole_t > most ? most : whole_t;
             """,
-            # The output of the multiplier is free: the property holds for every product that fits.
-            free=("product",),
-            refuted_by=(
-                (
-                    r"wire signed \[35:0\] requantise1_rounded",
-                    "wire signed [33:0] requantise1_rounded",
-                ),
-                (r"requantise1_kept > 131071", "requantise1_kept > 131072"),
-            ),
-        ),
-        Property(
-            name="multiplications",
-            sentence=f"The accumulator is multiplied P - 1 times, and for P from 1 to "
-            f"{twin.max_power} no result comes while multiplications are left.",
-            states=("!out_valid || uses == 0",),
-            assumes={
-                f"P is from 1 to {most + 1}.": "!in_valid || "
-                f"(in_power >= 1 && in_power <= {most + 1})"
-            },
-            watch="reg seen = 0; always @(posedge clk) seen <= rst ? 0 : seen || in_valid;",
             helps=(
+                f"remaining == (age < {late - 1} ? {late - 1} - age : 0)",
                 f"!seen || uses <= {most}",
                 "remaining == 0 || seen",
                 "!out_valid || (seen && remaining == 0)",
                 "remaining == 0 || 2 * uses <= remaining + remaining[0]",
                 "remaining != 0 || !seen || uses == 0",
             ),
-            reached=("out_valid",),
+            # The output of the multiplier is free: this holds for every product that fits.
             free=("product",),
+            reached=("out_valid",),
             refuted_by=(
+                (r"remaining <= 10", "remaining <= 11"),
+                (r"&& \(!in_valid\)\)", ")"),
+                (r"remaining <= \(remaining - 1\)", "remaining <= (remaining - 3)"),
+                (
+                    r"wire signed \[35:0\] requantise1_rounded",
+                    "wire signed [33:0] requantise1_rounded",
+                ),
+                (r"requantise1_kept > 131071", "requantise1_kept > 131072"),
                 (r"uses <= \(in_power - 1\)", "uses <= in_power"),
                 (r"\(remaining\[0\] &&", "((remaining[1:0] == 0) &&"),
             ),
-            clocks=twin.latency + 6,
-        ),
+            clocks=late + 6,
+        )
     ]

@@ -46,7 +46,7 @@ from tactus.verify.benches.runner import (
 from tactus.verify.benches.tools import SIMULATORS, language, version
 
 FACTS = ("compared", "seconds", "facts")
-PACKAGES = ("cocotb", "cocotb-test", "cocotbext-axi", "cocotbext-uart", "numpy")
+PACKAGES = ("cocotb", "cocotb-test", "cocotbext-axi", "numpy")
 # This module gives every bench its twin, and the rest of the design to the benches that ask for it.
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
