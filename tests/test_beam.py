@@ -20,7 +20,7 @@ from studies.physics.swing import Swing, bearing_forces, foot_forces, swing_moti
 from studies.physics.swing_data import ANGLES, independent_run, write_recordings
 from studies.physics.swing_data import COLUMNS as RUN
 from tactus.core.table import read_table
-from tactus.physics.beam import GRAVITY, Gauge, arm_slopes, mean_arm
+from tactus.physics.beam import GRAVITY, arm_slopes, mean_arm, strain
 from tactus.physics.gauges import MEAN_PER_DEVIATION, GaugeRig, load_rig
 
 
@@ -59,9 +59,9 @@ def test_errors_are_those_of_readings_with_what_is_known_beforehand(rig: GaugeRi
     for n in range(0, len(found), 37):
         rows, noise = [], []
         for place in places:
-            unit = Gauge(place, rig.beam)
-            gain = rig.full_scale / np.abs(unit.strain(rig.placements)).max()
-            rows.append(gain * unit.slopes(rig.placements)[n])
+            strains, slopes = strain(rig.beam, place, rig.placements)
+            gain = rig.full_scale / np.abs(strains).max()
+            rows.append(gain * slopes[n])
             noise.append(math.hypot(rig.noise, gain * rig.noise_strain))
         rows.append(np.array([1 / rig.masses[1], 0, 0]))
         noise.append(rig.cell_noise)

@@ -22,7 +22,6 @@ from studies.physics.swing import (
 from studies.physics.swing_data import REST, Conditioning, read_sensor
 from studies.stability.case import Row, accepted, largest
 from studies.stability.digits import DIGITS, deflection
-from tactus.physics.beam import Beam
 
 # The damping rates of stiff swings in 1/s.
 RATES = (1e2, 1e4, 1e6)
@@ -182,7 +181,7 @@ def others() -> Iterator[Row]:
             lambda: swing_motion(Swing(), nothing, 1),
             lambda: Swing(arm=nothing),
             lambda: Plate().influence([[nothing, 0.1]], [[0.1, 0.1]]),
-            lambda: Beam(nothing),
+            lambda: Plate(thickness=nothing),
             lambda: read_sensor([nothing], rng),
             lambda: Conditioning(1.0).convert([nothing], REST),
         ]

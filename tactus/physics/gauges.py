@@ -19,7 +19,7 @@ from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.files import named_file
 from tactus.core.schema import load_keys, read_checked
-from tactus.physics.beam import Beam, Gauge, Loads
+from tactus.physics.beam import Beam, Loads, strain
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
@@ -93,13 +93,13 @@ class GaugeRig:
 
         Its amplifier is set so that the largest moment reads full scale.
         """
-        unit = Gauge(place, self.beam)
-        largest = float(np.abs(unit.strain(self.placements)).max())
+        strains, slopes = strain(self.beam, place, self.placements)
+        largest = float(np.abs(strains).max())
         if not largest:
             return np.zeros((len(self.percent), 3, 3))
         gain = self.full_scale / largest
         deviation = np.hypot(self.noise, gain * self.noise_strain)
-        slopes = unit.slopes(self.placements) * (gain / deviation)
+        slopes = slopes * (gain / deviation)
         return slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
 
     @cached_property
