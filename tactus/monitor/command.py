@@ -1,5 +1,6 @@
 """``make monitor``: show what a board sends on a page in the browser, and record it."""
 
+import math
 import sys
 import time
 from contextlib import ExitStack
@@ -23,30 +24,6 @@ from tactus.scene.disturbance import MOST, Disturbance
 PAUSE = 1.0
 
 
-class Terminal:
-    """Prints lines that stay and, on a terminal, one line below them that is rewritten.
-
-    seconds: After how many seconds to end; None for never.
-    """
-
-    def __init__(self, seconds: float | None) -> None:
-        self.seconds = seconds
-        self.monitor: Monitor | None = None
-        self._terminal = sys.stdout.isatty()
-        self._began = self._shown = time.monotonic()
-
-    def say(self, text: str) -> None:
-        print(f"{CLEAR if self._terminal else ''}{text}", flush=True)
-
-    def over(self) -> bool:
-        """Whether it is time to end; it also rewrites the line with the newest values."""
-        now = time.monotonic()
-        if self._terminal and self.monitor and now - self._shown >= PAUSE:
-            self._shown = now
-            print(f"{CLEAR}{self.monitor.line()}", end="", flush=True)
-        return self.seconds is not None and now - self._began >= self.seconds
-
-
 def main() -> None:
     arguments = arguments_of("monitor", __doc__, seconds=float)
     drift = None
@@ -68,19 +45,33 @@ def main() -> None:
         if isinstance(line, TwinBoard) and board.instrument.reload:
             print("the simulated board is being loaded", flush=True)
             load(line, board)
-        terminal = Terminal(arguments.seconds)
-        monitor = terminal.monitor = Monitor(board, terminal.say, csv)
+        clear = CLEAR if sys.stdout.isatty() else ""
+
+        def say(text: str) -> None:
+            print(f"{clear}{text}", flush=True)
+
+        monitor, shown = Monitor(board, say, csv), time.monotonic()
+        ends = shown + (math.inf if arguments.seconds is None else arguments.seconds)
+
+        def over() -> bool:
+            """Whether it is time to end; on a terminal the newest values stand in the last line."""
+            nonlocal shown
+            now = time.monotonic()
+            if clear and now - shown >= PAUSE:
+                shown = now
+                print(f"{clear}{monitor.line()}", end="", flush=True)
+            return now >= ends
+
         if monitor.lessons and isinstance(line, TwinBoard):
             monitor.lessons.tour = tour_of(board, line)
         title = f"tactus: {board.scene.name} on {line.label}"
         server = stack.enter_context(Server(title, monitor.state, monitor.actions()))
-        terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")
+        say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")
         try:
-            monitor.listen(line, terminal.over)
+            monitor.listen(line, over)
         except KeyboardInterrupt:
-            terminal.say("")
+            say("")
         tally = monitor.decoder.tally
-        told = f"{tally[FRAMES]} packets, {tally['missed']} missed, {tally['failed']} damaged"
-        terminal.say(told)
+        say(f"{tally[FRAMES]} packets, {tally['missed']} missed, {tally['failed']} damaged")
         if csv:
-            terminal.say(f"wrote {csv.path}, {csv.rows} rows")
+            say(f"wrote {csv.path}, {csv.rows} rows")
