@@ -249,7 +249,9 @@ def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
 
 def learnt_from(states: np.ndarray, held: np.ndarray, **more: int) -> TrainedOn:
     names, outputs = ("force", "place"), estimates(held)
-    return learnt(names, touch(states, 1), states, held, outputs, np.full(4, 1e-4), **more)
+    ends = states.min(axis=0), states.max(axis=0)
+    known = more.get("stretches", len(held))
+    return learnt(names, touch(states, 1), states, held, outputs, np.full(4, 1e-4), ends, known)
 
 
 @pytest.fixture(scope="module")

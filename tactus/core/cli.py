@@ -76,11 +76,9 @@ def dry() -> bool:
 
 
 def stop_if_dry_run(work: str) -> None:
-    """End a command here if ``DRY=1`` is set, and print the work that is left.
+    """End a command, which has checked all that it was given, here if ``DRY=1`` is set.
 
-    A command calls this as soon as it has checked everything that it was given.
-
-    work: The work that the command would do now, such as "simulate 12 benches".
+    work: What is printed that it would do now, such as "simulate 12 benches".
     """
     if dry():
         print(f"DRY=1: nothing done; would {work}")

@@ -6,7 +6,6 @@ the exported files and the builds of each other's benches.
 
 import fcntl
 import os
-import shlex
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -21,7 +20,7 @@ VARIABLE = "TACTUS_HELD"
 def held(folders: Iterable[Path]) -> Iterator[None]:
     """Hold folders for this command and for those that it calls, as long as the block runs.
 
-    If another command holds one of them, print which, and wait for its end.
+    If another command holds one of them, say so, and wait for its end.
     """
     before = os.environ.get(VARIABLE, "")
     ours = set(filter(None, before.split(os.pathsep)))
@@ -48,21 +47,9 @@ def _locked(folder: Path) -> Iterator[None]:
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                with stage(f"{folder}: waiting for {_holder(number)}"):
+                with stage(f"{folder}: waiting for another command, which works there"):
                     fcntl.flock(number, fcntl.LOCK_EX)
         yield
     finally:
         if number >= 0:
             os.close(number)
-
-
-def _holder(number: int) -> str:
-    """The process that holds the lock of a file, in words."""
-    inode = os.fstat(number).st_ino
-    with suppress(OSError):
-        for line in Path("/proc/locks").read_text(encoding="utf-8").splitlines():
-            words = line.split()
-            if "->" not in words and words[1] == "FLOCK" and words[5].endswith(f":{inode}"):
-                command = Path(f"/proc/{words[4]}/cmdline").read_text(encoding="utf-8").split("\0")
-                return f"process {words[4]}, {shlex.join(command[:-1])}"
-    return "another command"

@@ -90,8 +90,6 @@ class Progress:
 
     what: Description of the job, such as ``digit: simulating``.
     parts: Name of the parts, such as ``benches``.
-    stream: Standard output by default.
-    clock: Returns seconds since some moment.
     alike: Whether all parts take about the same time, so that the time for the remaining ones can
         be estimated. Otherwise nothing is estimated, and each part is named when it begins.
     costs: Of parts that are not alike, about how long each takes compared with the others, in the

@@ -5,7 +5,6 @@ nothing, and the network cannot know that. Two things reveal such a reading: an 
 range of the targets, and readings that the outputs do not explain.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,9 +16,9 @@ from golden.input_error import InputError, suggest
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.core.files import check_output, first_line, replace_file
+from tactus.core.files import check_output, first_line
 from tactus.core.finding import fault, refuse
-from tactus.core.table import CsvFile
+from tactus.core.table import CsvFile, write_csv_file
 from tactus.errors import held_out_rows, provenances
 from tactus.rig.smooth_map import SmoothMap, fitted, thinned
 from tactus.scene import Scene
@@ -102,8 +101,8 @@ def learnt(
     held_readings: Real,
     held_outputs: Real,
     least: Real,
-    ends: tuple[Real, Real] | None = None,
-    stretches: int | None = None,
+    ends: tuple[Real, Real],
+    stretches: int,
 ) -> TrainedOn:
     """The states that recorded rows show, and how far other rows like these are from them.
 
@@ -113,12 +112,10 @@ def learnt(
         in the fit, and the outputs of the hardware for them.
     least, shape (inputs,): The least standard deviation of the readings, which is that of their
         codes.
-    ends, shape (outputs,): The range of the outputs, where other rows trained too; by default that
-        of ``targets``.
-    stretches: Number of stretches of the file from which the held-out rows come; by default each
-        row counts.
+    ends, shape (outputs,): The range of the outputs in the rows that trained.
+    stretches: How many of the held-out rows count as independent.
     """
-    low, high = ends or (targets.min(axis=0), targets.max(axis=0))
+    low, high = ends
     explained = np.clip(held_outputs, low, high)
     states = fitted(targets, readings, explained, held_readings)
     residual = held_readings - states(explained)
@@ -132,25 +129,18 @@ def learnt(
     limit = held[min(count, math.ceil((1 - FALSE_ALARMS) * (count + 1))) - 1]
     # If the map leaves no residual, the limit is the largest error by rounding to codes.
     limit = max(limit, math.sqrt(3) * np.linalg.norm(whitening * least))
-    known_by = count if stretches is None else stretches
-    return TrainedOn(outputs, low, high, states, whitening, float(limit), count, known_by)
+    return TrainedOn(outputs, low, high, states, whitening, float(limit), count, stretches)
 
 
 def _lengths(residual: Real, whitening: Real) -> Real:
     return np.sqrt(((residual @ whitening.T) ** 2).sum(axis=1))
 
 
-def hardware_outputs(scene: Scene, readings: Real) -> Real:
-    """The outputs of a scene's hardware for its inputs, both in their own units.
+def outputs_of(scene: Scene, codes: Codes) -> Real:
+    """The outputs in their units for codes of the hardware.
 
     Of classes, that which is decided has 1 and the others 0, as in the targets.
     """
-    codes: Codes = scene.codes_of(readings)
-    return outputs_of(scene, scene.twin().core.process(codes))
-
-
-def outputs_of(scene: Scene, codes: Codes) -> Real:
-    """The outputs for codes of the hardware; see ``hardware_outputs``."""
     if scene.labels:
         return np.eye(len(scene.labels))[decided(codes)]
     return scene.outputs_in_units(codes)
@@ -183,11 +173,11 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
         recorded.inputs[rows],
         recorded.targets[rows],
         recorded.inputs[held],
-        hardware_outputs(scene, recorded.inputs[held]),
+        outputs_of(scene, scene.twin().core.process(scene.codes_of(recorded.inputs[held]))),
         # The standard deviation of each input within one code.
         factors / (2**SIGNAL.frac * math.sqrt(12)),
         (ranged.min(axis=0), ranged.max(axis=0)),
-        None if scene.training.split == "random" else stretches,
+        len(held) if scene.training.split == "random" else stretches,
     )
     return states, which
 
@@ -294,17 +284,12 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
     for name in added:
         if name in recording.names:
             raise InputError(f"{recording.path}: column {name!r} is there already; rename it")
-    results = result_texts(scene, found)
-    with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*recording.names, *added])
-        past = scene.window.past
-        for row in recording.rows[:past]:
-            writer.writerow([*row, *[""] * (len(columns) + 1), 1, NO_PAST])
-        for row, texts, distance, reason in zip(
-            recording.rows[past:], results, found.distances, found.reasons, strict=True
-        ):
-            writer.writerow([*row, *texts, f"{distance:.3f}", int(bool(reason)), reason])
+    past, texts = scene.window.past, result_texts(scene, found)
+    parts = zip(recording.rows[past:], texts, found.distances, found.reasons, strict=True)
+    rows: list[Sequence[object]] = [[*recording.names, *added]]
+    rows += [[*row, *[""] * (len(columns) + 1), 1, NO_PAST] for row in recording.rows[:past]]
+    rows += [[*row, *own, f"{far:.3f}", int(bool(why)), why] for row, own, far, why in parts]
+    write_csv_file(path, rows)
 
 
 def decimals(factor: float) -> int:
