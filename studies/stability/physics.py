@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipkm1
 
 from golden.numbers.precision import SIGNAL
-from golden.numbers.real import Real, checked
+from golden.numbers.real import Real
 from studies.physics.plate import Plate
 from studies.physics.swing import (
     Swing,
@@ -114,20 +113,13 @@ def reference_swing(swing: Swing, start: float, times: Real) -> Real:
     return np.asarray(found.y)
 
 
-def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
-    """phi in closed form, without damping and released at rest, as a check of ``swing_motion``.
+def undamped_angle(swing: Swing, start: float, times: Real) -> Real:
+    """phi in closed form, without the damping of the swing, released at rest and not upright.
 
-    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
-    damping of ``swing`` is ignored.
-
-    start: In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright
-        start is infinite.
-    time: In s, 0 to 1e9.
+    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2).
     """
-    most = math.pi - 1e-6
-    _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
     k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
-    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * t, 1 - rest)[0]
+    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * times, 1 - rest)[0]
     return np.asarray(2 * np.arcsin(k * sn))
 
 
