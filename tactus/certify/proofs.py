@@ -53,14 +53,13 @@ def write_equality(folder: Path, top: str) -> None:
     for file in compile_order(verilog):
         entity = Path(file).stem
         files[file] = to_verilog(modules[entity])
-        proof = proof_script(
+        files[f"{entity}.ys"] = proof_script(
             entity,
             (verilog / file).read_text(encoding="utf-8"),
             (f"design/verilog/{file}", f"equal/{file}"),
             [f"design/verilog/{part}.v" for part in sorted(modules[entity].children())],
             f"equal/{WRITES}",
         )
-        files[f"{entity}.ys"] = "\n".join([*proof, ""])
     for name, text in files.items():
         (equal / name).write_text(text, encoding="utf-8")
 

