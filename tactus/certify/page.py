@@ -116,27 +116,6 @@ def _saturations(scene: Scene, random: Codes) -> list[str]:
     return sentences
 
 
-SHOWS = {
-    "digests": "every delivered file is the one that was written",
-    "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
-    "verilog": "the Verilog gives the outputs of the bit-true model, under Icarus",
-    "netlist": "GHDL makes of the VHDL the netlist that is compared with the Verilog",
-    "equality": "this netlist and the Verilog are the same functions, for every input and state",
-    "properties": "control works for every input, for the parameters of this scene",
-    EVERY_FRAME: "the hardware computes the network in every_frame/network.json, whatever comes in",
-}
-ASSUMED = (
-    "The bit-true model is the judge of the frames that are played, every_frame/network.json that "
-    "of all frames. That both follow the network in floating point is shown by the errors on this "
-    "page and by the tests of tactus, not by a proof.",
-    "Yosys, z3, GHDL and Icarus read the files correctly, and the prover in every_frame is right.",
-    "Equality: registers of the same name start with equal values in both languages. The script "
-    "compares GHDL's netlist of the VHDL with the delivered netlist; that this was translated to "
-    "Verilog correctly is assumed.",
-    "Timing is not shown. The vendor's tools must meet the clock of the constraints.",
-)
-
-
 def write_page(
     scene: Scene,
     frames: Frames,
@@ -166,7 +145,6 @@ def write_page(
         "missing": missing,
         "results": results,
         "properties": [(job.entity, item.sentence) for job, item in properties],
-        "assumed": ASSUMED,
         "made": f"Made at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC by make certify, seed {seed}, on "
         f"{machine['processor']}; {machine['instructions']}; {machine['versions']}.",
         "digests": {
@@ -174,7 +152,6 @@ def write_page(
             for name, digest in digests.items()
             if name.startswith(("design/", "inputs/"))
         },
-        "shows": SHOWS,
     }
     plain = environment("tactus.certify")
     styled = environment("tactus.certify", "tactus.report.page", escapes=True)
