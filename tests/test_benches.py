@@ -28,8 +28,6 @@ from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.record import recorded_cases, stale_records
 from tb.common.bench import CONFIGURATION
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
 # Every run plays all recorded frames through a default scene. ALL=1 adds the other one, the design
 # that is not proved for every frame, and a whole board.
 NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])

@@ -381,7 +381,6 @@ def test_make_check_tells_the_rate(tmp_path) -> None:
     assert found.text == scene.front_end.describe()
 
 
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> None:
     """There are four slots, and the networks take a frame every eleven clocks."""
     slow = replace(CASES["slower-cascade"], shapes=[(2 + i, 1, 1) for i in range(3)])

@@ -31,10 +31,7 @@ from tactus.network_files.network_file import save_network
 from tactus.scene import load_scene
 from tb.common.cases import random_mlp
 
-pytestmark = [
-    pytest.mark.pages,
-    pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning"),
-]
+pytestmark = pytest.mark.pages
 
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 # The change log is left out, because it names commands as they were.

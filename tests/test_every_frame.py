@@ -238,7 +238,6 @@ def test_a_wrong_part_that_no_mutant_changes_is_never_proved(
     assert outcome(description(shared.scene(case)), folder) != "proved"
 
 
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_every_part_that_no_mutant_changes_is_proved(shared: Shared) -> None:
     """The blocks whose mutants leave it out, in the cases in which they are recorded."""
     left = {

@@ -33,8 +33,6 @@ from tactus.verify.benches.simulate import QUICK
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
 SCENES = tiered(
     ["digit-single", "digit-single-thesis", "digit-parallel", "block-ram", "chain", "axis-chain"],
     [

@@ -29,8 +29,6 @@ from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tactus.verify.sign_off.mutate.score import COUNT, Subject, describe, prepare, run_bench
 from tactus.verify.sign_off.record import read_record, recorded_cases, records
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
 LEAST = 0.99
 SCORED = sorted(records("mutation"))
 # A few mutants of a small block, because this tests the method and not the block.

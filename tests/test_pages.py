@@ -33,10 +33,7 @@ from tactus.synth.budget import read_budget
 from tactus.synth.cells import KINDS
 from tactus.synth.lean import cells as synthesised
 
-pytestmark = [
-    pytest.mark.pages,
-    pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning"),
-]
+pytestmark = pytest.mark.pages
 
 PAGE = Path("page.md")
 COMMAND = "python -m this"

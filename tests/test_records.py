@@ -46,8 +46,6 @@ from tactus.verify.sign_off.unknown import UNKNOWN
 from tb.common.coverage import Coverage, add, missing
 from tb.common.properties import Property
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
 NAMES = {name: case for block in BENCHES for name, case in recorded_cases(block).items()}
 
 

@@ -401,7 +401,6 @@ def test_the_gate_is_at_3_3(precision, factor: int) -> None:
 
 @pytest.mark.parametrize("factor", [1, 2, 3, 4, 5, 8, 33, 128, 512, 4000])
 @pytest.mark.parametrize("rho", [1.0, 2.5, 4.0, 4.5, 8.0])
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_nothing_wraps_up_to_the_gate(factor: int, rho: float) -> None:
     for precision in (THESIS, EXACT) if factor == 1 else (THESIS,):
         block = pade_for(precision, factor, precision.hidden_fmt.high, rho=rho, iterations=3)
@@ -487,7 +486,6 @@ def test_zero_is_zero(precision) -> None:
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0
 
 
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 @pytest.mark.parametrize("rho", [3.87, 4.5, 6.0])
 def test_pade_multiplies_18_bits_at_most(rho: float) -> None:
     block = pade_for(EXACT, 1, EXACT.hidden_fmt.high, rho=rho)

@@ -32,8 +32,6 @@ from tactus.verify.sign_off.netlist import models_for, on_cells, played
 from tactus.verify.sign_off.record import read_record
 from tactus.verify.sign_off.unknown import UNKNOWN, Netlist, clocks_to_prove
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
 # Networks for comparison whose errors alone are of interest have no record.
 ERRORS_ALONE = ("digit-a", "digit-thesis-a", "digit-multiple-half", "digit-single-half")
 RECORDED = [
