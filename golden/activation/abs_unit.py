@@ -17,8 +17,7 @@ class AbsUnit(Block):
 
     fmt: Format of the input. The magnitude has the same fraction bits and one bit less, unsigned.
 
-    Overflow: the most negative code has no positive counterpart, so its magnitude saturates to the
-    largest code. The error is 1 LSB for this one code and 0 for every other.
+    The magnitude of the most negative code saturates to the largest code.
     """
 
     block = "abs_unit"

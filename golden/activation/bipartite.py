@@ -234,19 +234,16 @@ NODES = 2
 class Bipartite(ActivationBlock):
     """r = tanh(q) as the sum of a base and a correction from two tables (Das Sarma, Matula 1995).
 
-    A code stands for the middle of its step: a code c of q or of r stands for (c + 1/2) 2**-14. Let
-    the sign s of q be all ones where q is below 0. Then the magnitude is q xor s, and r =
+    Let the sign s of q be all ones where q is below 0. Then the magnitude is q xor s, and r =
     floor((base(magnitude) xor s) + correction(magnitude, q)).
 
     in_fmt, out_fmt: Formats of q and r: any format with 14 fraction bits, and Fix(15,14).
     reach_width: Bits of the largest magnitude that the neuron can reach; words beyond it are left
         out. More than 17 where q can reach 8, from where on the result is the largest.
 
-    The sum is exact and never overflows. The function is monotone and, in terms of its codes, odd:
-    the result of a complement is the complement of the result.
-
-    Over all 262144 codes of Fix(18,14) every result is within 0.708 units of 2**-13 of tanh(q), and
-    23416 results are not the nearest code (tests/test_schemes.py).
+    The function is monotone and, in terms of its codes, odd: the result of a complement is the
+    complement of the result. Over all 262144 codes of Fix(18,14) every result is within 0.708 units
+    of 2**-13 of tanh(q), and 23416 results are not the nearest code (tests/test_schemes.py).
 
     A magnitude beyond the neuron's reach gets the result of some other magnitude.
     """

@@ -20,9 +20,8 @@ class GradEqn(Block):
     out_fmt: Format of the result, which is never negative.
     rounding: TRUNCATE or ROUND, applied to the exact sum.
 
-    Product and sum are exact. ``golden.activation.segments`` refuses a segment whose largest result
-    does not fit in ``out_fmt``. So no magnitude that the neuron can reach overflows, and the block
-    has no saturation logic. A magnitude beyond the neuron's reach wraps.
+    ``golden.activation.segments`` refuses a segment whose largest result does not fit in
+    ``out_fmt``, so the block has no saturation logic. A magnitude beyond the neuron's reach wraps.
     """
 
     block = "grad_eqn"

@@ -24,9 +24,7 @@ class Gradient(OddActivation):
     rounding: How GRAD_EQN drops the last bits.
 
     A magnitude beyond the reach for which the table was made falls into the last segment that is
-    kept, where the result may wrap; the neuron cannot produce it. Worst error against tanh: 132
-    units of 2**-13
-    with the whole table at Q = 3, over all 16384 codes (tests/test_schemes.py).
+    kept, where the result may wrap; the neuron cannot produce it.
     """
 
     block = "gradient"

@@ -46,9 +46,7 @@ class Lut(Compared):
     scale, scale_shift: The address of magnitude code m is floor(m * scale / 2**scale_shift).
     thresholds: The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.
 
-    Addresses are exact, and words are rounded to nearest. A magnitude beyond the neuron's reach
-    reads some word of the table. Worst error against tanh: 224 units of 2**-13, the width of a step
-    near 0, over all codes (tests/test_schemes.py).
+    A magnitude beyond the neuron's reach reads some word of the table.
     """
 
     block = "lut"

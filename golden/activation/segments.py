@@ -78,16 +78,11 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
 
     Returns frac: The common binary point.
 
-    A coefficient is first rounded at the largest binary point at which it fits ``width`` bits:
-    for width 14, limit 13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All
-    codes are then written with the finest of these points, which is exact (a left shift) and needs
-    no shifter in the hardware. Where that would take more than 17 bits (Q above 17), the common
-    point moves up until the widest coefficient fits. Every coefficient is rounded only once, at the
-    coarser of its own point and the common one: Table 4.3 gives no coefficient more than 14 bits.
-
-    Error: segment n is used up to qbar = q_n / Q. A coefficient of 13 bits is off by at most
-    2**-13 of itself, so its product is off by at most g_n q_n < 0.6 LSB of Fix(14,13). The common
-    point adds at most 2**-(frac + 1) * q_n / Q <= 0.25 LSB, since 2**(frac + 1) Q > 2**17.
+    A coefficient has the largest binary point at which it fits ``width`` bits: for width 14, limit
+    13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All codes are written with
+    the finest of these points, so the hardware needs no shifter. Where that would take more than 17
+    bits (Q above 17), the common point moves up until the widest coefficient fits. Every
+    coefficient is rounded only once, at the coarser of its own point and the common one.
     """
     real = [g * factor for g in GRADIENT]
     points = []

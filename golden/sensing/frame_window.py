@@ -26,10 +26,9 @@ class FrameWindow(Block):
     early raises one error and is not stored. After a reset nothing leaves before ``past`` good
     frames have come. Until then the contents of the ring are not used, so the ring needs no reset.
 
-    The ring's addresses count words, and the number of words is a power of two, so that addresses
-    wrap by themselves. The ring holds the past frames, the newest frame, and the frame that arrives
-    meanwhile. It has at least one word more, so that no word is ever read in the clock in which it
-    is written.
+    The number of words of the ring is a power of two, so that addresses wrap by themselves. There
+    is at least one more than the frames take, so that no word is read in the clock in which it is
+    written.
     """
 
     block = "frame_window"
