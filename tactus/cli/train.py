@@ -46,33 +46,26 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     With many rows, candidates are first compared on parts of them, and the better half goes on.
     """
     kept, parts = tried(task), list(parts_of(task)) if has_many_rows(task.scene) else [task]
-    later = range(task.number + 1, len(task.scene.members))
-    # Each part takes about as long as any other of the same network.
-    behind = len(parts) * sum(sum(costs(replace(task, number=number))) for number in later)
     refused = set[tuple[Any, ...]]()
-    for number, part in enumerate(parts):
+    for part in parts:
         rows = len(part.training.inputs)
         own = record if part is task else record.with_name(f"{record.stem}-{rows}.jsonl")
-        rest = behind / 2**number + (len(parts) - number - 1) * sum(costs(task, kept))
-        ranked = sorted(compared(part, kept, own, workers, rest), key=lambda one: one.rank)
+        ranked = sorted(compared(part, kept, own, workers), key=lambda one: one.rank)
         refused |= {(one.layers, one.restart) for one in ranked if one.refused}
         kept = [(one.layers, one.restart) for one in ranked[: -(-len(ranked) // 2)]]
     return ranked[0], len(refused)
 
 
 def compared(
-    task: Task, chosen: Sequence[tuple[Any, ...]], record: Path, workers: int, behind: float
+    task: Task, chosen: Sequence[tuple[Any, ...]], record: Path, workers: int
 ) -> list[Result]:
-    """The results of some candidates, one of which is not refused; prints the progress.
-
-    behind: What follows, in the measure of ``costs``.
-    """
+    """The results of some candidates, one of which is not refused; prints the progress."""
     name = task.scene.classes or ", ".join(task.scene.members[task.number].outputs)
     if has_many_rows(task.scene):
         name += f", {len(task.training.inputs)} rows"
     own, seen = costs(task, chosen), list[Result]()
     known = record.read_bytes().count(b"\n") if record.is_file() else 0
-    with Progress(name, len(own), "candidates", costs=own, behind=behind, known=known) as progress:
+    with Progress(name, len(own), "candidates", costs=own, known=known) as progress:
         for result in continued(training_of(task.scene).measure, task, chosen, record, workers):
             seen.append(result)
             best = min(seen, key=lambda one: one.rank)
@@ -177,7 +170,7 @@ def tried(task: Task) -> Sequence[tuple[Any, ...]]:
     return list(training_of(task.scene).candidates(task))
 
 
-def costs(task: Task, chosen: Sequence[tuple[Any, ...]] = ()) -> list[float]:
+def costs(task: Task, chosen: Sequence[tuple[Any, ...]]) -> list[float]:
     """About how long each candidate takes, compared with the others.
 
     A descent of small networks of any kind takes about the time of the number of weights to the
@@ -185,7 +178,7 @@ def costs(task: Task, chosen: Sequence[tuple[Any, ...]] = ()) -> list[float]:
     """
     member = task.scene.members[task.number]
     found = []
-    for layers, *_ in chosen or tried(task):
+    for layers, *_ in chosen:
         widths = (member.inputs, *layers, len(member.outputs))
         found.append(sum((a + 1) * b for a, b in pairwise(widths)) ** 1.5)
     return found

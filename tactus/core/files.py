@@ -18,9 +18,6 @@ from golden.input_error import InputError, MissingFileError, suggest
 from tactus.core.cli import DISK
 from tactus.core.folders import refuse_installed
 
-# A recorded object that is longer takes a line for each key.
-WIDTH = 100
-
 
 def check_file(path: Path, missing: str = "no such file") -> None:
     """Refuse a path that is no file: nothing, a folder, a device, or an impossible name."""
@@ -82,24 +79,10 @@ def reading(path: Path, form: str) -> Iterator[None]:
 
 
 def write_json(path: Path, facts: Any) -> None:
-    """Record ``facts``, each row of a table and each small object on a line of its own."""
+    """Record ``facts``, one on each line."""
+    text = json.dumps(facts, ensure_ascii=False, allow_nan=False, indent=1)
     with replace_file(path) as temporary:
-        temporary.write_text(_laid_out(facts) + "\n", encoding="utf-8")
-
-
-def _laid_out(facts: Any, margin: str = "\n") -> str:
-    flat = json.dumps(facts, ensure_ascii=False, allow_nan=False)
-    deeper = f"{margin} "
-    if isinstance(facts, dict) and len(flat) > WIDTH:
-        lines = [
-            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(value, deeper)}"
-            for key, value in facts.items()
-        ]
-        return f"{{{deeper}{f',{deeper}'.join(lines)}{margin}}}"
-    if isinstance(facts, (list, tuple)) and any(isinstance(v, (dict, list, tuple)) for v in facts):
-        lines = [_laid_out(value, deeper) for value in facts]
-        return f"[{deeper}{f',{deeper}'.join(lines)}{margin}]"
-    return flat
+        temporary.write_text(text + "\n", encoding="utf-8")
 
 
 @contextmanager

@@ -95,7 +95,6 @@ class Progress:
     costs: Of parts that are not alike, about how long each takes compared with the others, in the
         order in which they end. The first one counts for nothing, because processes start in its
         time.
-    behind: By the same measure, all jobs that follow this one, for which the time is estimated too.
     known: How many parts an earlier run has done, which take no time.
     """
 
@@ -108,7 +107,6 @@ class Progress:
         clock: Callable[[], float] = time.monotonic,
         alike: bool = True,
         costs: Sequence[float] = (),
-        behind: float = 0.0,
         known: int = 0,
     ) -> None:
         self.what, self.total, self.parts = what, total, parts
@@ -117,7 +115,6 @@ class Progress:
         self.alike = alike
         self.costs = costs or [1.0] * total
         self.starting = bool(costs)
-        self.behind = behind
         self.known = known
         self.terminal = self.stream.isatty()
         self.done = 0
@@ -184,8 +181,6 @@ class Progress:
         elif estimated:
             each = (self.printed - self.timed) / done
             line += f", about {duration(each * left)} left"
-            if self.behind:
-                line += f", {duration(each * (left + self.behind))} with what follows"
         elif spent >= 1:
             line += f", {duration(spent)}"
         line += f", {self._note}" if self._note else ""
