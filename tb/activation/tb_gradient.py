@@ -4,15 +4,15 @@ How close the schemes are to tanh, here and in the other benches, is tested over
 tests/.
 """
 
-from tb.common.activation import codes
 from tb.common.case_library import cases
 from tb.common.recorded_frames import recorded_test
+from tb.common.stimulus import activation_codes
 from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails")
 
-sweep, gaps_and_resets = suite(__name__, codes)
+sweep, gaps_and_resets = suite(__name__, activation_codes)
 what_recorded_frames_bring = recorded_test(__name__)
 
 

@@ -6,24 +6,23 @@ A result stays until the next one, and a code that is followed too soon has none
 import cocotb
 import numpy as np
 
-from tb.common.activation import codes
 from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.properties import Property
-from tb.common.stimulus import spread
+from tb.common.stimulus import activation_codes, spread
 from tb.common.stream import suite
 from tb.common.watch import ago
 
 CASES = cases("rails-pade", "pade-thesis")
 
-sweep, gaps_and_resets = suite(__name__, codes, at_once=2048)
+sweep, gaps_and_resets = suite(__name__, activation_codes, at_once=2048)
 
 
 @cocotb.test()
 async def early_codes(dut):
     bench = Bench(dut)
     twin = bench.twin
-    items = {"in_data": bench.rng.choice(codes(bench)["in_data"], 500)}
+    items = {"in_data": bench.rng.choice(activation_codes(bench)["in_data"], 500)}
     pause = bench.rng.integers(0, 2 * twin.interval, 500)
     drive = spread(bench.rng, items, "in_valid", 0.0, bench.latency + 4, pause)
     recording = await bench.play(drive, ["out_valid", "out_data"])

@@ -5,8 +5,8 @@ Among them are those whose exact result lies closest to the border of the next r
 
 import numpy as np
 
-from tb.common.activation import codes
 from tb.common.case_library import cases
+from tb.common.stimulus import activation_codes
 from tb.common.stream import suite
 from tb.common.watch import pipeline
 
@@ -21,7 +21,7 @@ def close(bench):
     return np.concatenate([magnitudes, -magnitudes])
 
 
-sweep, gaps_and_resets = suite(__name__, lambda bench: codes(bench, close(bench)))
+sweep, gaps_and_resets = suite(__name__, lambda bench: activation_codes(bench, close(bench)))
 
 
 def properties(twin):

@@ -1,13 +1,13 @@
 """precise, assembled, against its twin: codes back to back, with gaps and resets."""
 
-from tb.common.activation import codes
 from tb.common.case_library import cases
+from tb.common.stimulus import activation_codes
 from tb.common.stream import suite
 from tb.common.watch import pipeline
 
 CASES = cases("rails-precise", "precise")
 
-sweep, gaps_and_resets = suite(__name__, codes)
+sweep, gaps_and_resets = suite(__name__, activation_codes)
 
 
 def properties(twin):

@@ -9,6 +9,7 @@ edge of clock t: an input of row t and a registered output of row t + latency be
 import hashlib
 import json
 import os
+import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
@@ -23,7 +24,7 @@ from cocotb.triggers import Timer
 
 from golden.common.block import Block, around, walk
 from golden.common.border import State
-from tb.common.bench_input import BenchInput, read
+from tb.common.bench_input import BenchInput
 from tb.common.coverage import Coverage
 
 RESET_CLOCKS = 2
@@ -127,7 +128,7 @@ def test_named(module: str, name: str) -> Callable[[Test], Test]:
 def _loaded(configuration: str) -> tuple[BenchInput, Block]:
     """What is given of the scene, and the block under test, which all tests of a bench share."""
     said = json.loads(configuration)
-    given = read(Path(said["given"]))
+    given: BenchInput = pickle.loads(Path(said["given"]).read_bytes())
     return given, next(b for b in walk(given.design) if b.entity == said["entity"])
 
 

@@ -5,11 +5,9 @@ not read the scene again, for which it would import the twins of all designs and
 would take longer than many a bench.
 """
 
-import pickle
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -43,13 +41,3 @@ class BenchInput:
     def codes(self) -> Codes:
         """The inputs of the networks for each recorded frame that has a complete past."""
         return np.concatenate([self.window.frames(codes) for codes in self.recordings])
-
-    def write(self, path: Path) -> None:
-        """Write it for ``read``."""
-        path.write_bytes(pickle.dumps(self))
-
-
-def read(path: Path) -> BenchInput:
-    """What the runner has written for this bench."""
-    given: BenchInput = pickle.loads(path.read_bytes())
-    return given

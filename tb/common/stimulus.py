@@ -1,6 +1,7 @@
 """Codes and timelines that several benches drive."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,14 @@ def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.nda
     one_bit = (near[:, np.newaxis] ^ (1 << np.arange(fmt.width))).ravel()
     marked = np.unique(np.concatenate([near, one_bit]))
     return np.concatenate([codes, marked[(marked >= fmt.low) & (marked <= fmt.high)]])
+
+
+def activation_codes(bench: Any, *more: np.ndarray) -> dict[str, np.ndarray]:
+    """Codes of an activation over the whole range and about each border, and some more."""
+    twin = bench.twin
+    return {
+        "in_data": np.concatenate([all_codes(twin.in_fmt, twin.border_codes, bench.rng), *more])
+    }
 
 
 def spread(

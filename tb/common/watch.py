@@ -210,26 +210,6 @@ def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
     )
 
 
-def exact_sum(width: int, opens: str, value: str) -> str:
-    """``exact`` is a sum in 64 bits; it has ``begun`` with the first clock with ``opens``.
-
-    In each clock it becomes ``value``. ``fits`` says that ``width`` bits can hold it and all sums
-    before it, and ``count`` how many terms it has, up to 255.
-    """
-    return f"""
-        reg begun = 0, held = 1;
-        reg signed [63:0] exact;
-        reg [7:0] count = 0;
-        wire fits = held && exact >>> {width - 1} == exact >>> 63;
-        always @(posedge clk) begin
-            begun <= begun || {opens};
-            exact <= {value};
-            held <= {opens} || fits;
-            count <= {opens} ? 1 : count == 255 ? 255 : count + 1;
-        end
-    """
-
-
 def frames_computed(inputs: int, busy: int, place: str = "place", taken: str = "taken") -> str:
     """Verilog that watches the stream of samples of a network with a program.
 

@@ -11,9 +11,8 @@ from golden.link.uart import BYTE_BITS
 from tb.common.properties import Property
 from tb.common.watch import busy_of, since
 from tb.instruments import tb_converter_instrument
-from tb.link.image_proof import image_receiver
-from tb.link.lesson_proof import lesson_receiver
 from tb.link.packet_proof import packet_sender, slow_points
+from tb.link.receiver_proof import image_receiver, lesson_receiver
 
 PROVED = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"

@@ -15,7 +15,7 @@ from tb.common.network import recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
 from tb.common.watch import sent
-from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, listen, random_voltages
+from tb.sensing.spi_converter import PINS, Timeline, Voltages, check_error, listen, random_voltages
 from tb.sensing.tb_converter_reader import turns, verdict_clock
 
 CASES = cases("converters", "winner-converter")

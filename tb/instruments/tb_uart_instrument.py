@@ -23,7 +23,7 @@ from tb.common.case_library import cases
 from tb.common.framing import check_outputs
 from tb.common.loading import computed
 from tb.common.network import recorded_frames
-from tb.sensing.spi_play import PINS, Timeline, Voltages, check_error, listen, random_voltages
+from tb.sensing.spi_converter import PINS, Timeline, Voltages, check_error, listen, random_voltages
 
 CASES = cases("uarts", "winner-uart")
 # An instrument that learns takes lessons from the line.

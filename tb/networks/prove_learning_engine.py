@@ -9,7 +9,7 @@ from golden.engine.graph import Kind
 from golden.learning.program import FRAME
 from golden.numbers.precision import SIGNAL
 from tb.common.properties import Property
-from tb.common.watch import exact_sum, frames_computed, pipe
+from tb.common.watch import frames_computed, pipe
 
 # This has one output, and so one equation.
 PROVED = ("least-lesson",)
@@ -292,12 +292,21 @@ def multiply_accumulate(twin):
                 "!begun || !fits || $signed(acc) == exact",
                 f"!begun || count > {most} || fits",
             ),
-            watch=exact_sum(
-                twin.acc_width,
-                opens="opening || opening_output",
-                value=f"(opening_output ? 64'sd{half_output} : opening ? 64'sd{half} : exact)"
-                " + $signed(product)",
-            ),
+            # A sum in 64 bits, whether all sums before it fit as well, and how many terms it has.
+            watch=f"""
+                reg begun = 0, held = 1;
+                reg signed [63:0] exact;
+                reg [7:0] count = 0;
+                wire opens = opening || opening_output;
+                wire fits = held && exact >>> {twin.acc_width - 1} == exact >>> 63;
+                always @(posedge clk) begin
+                    begun <= begun || opens;
+                    exact <= (opening_output ? 64'sd{half_output} : opening ? 64'sd{half} : exact)
+                        + $signed(product);
+                    held <= opens || fits;
+                    count <= opens ? 1 : count == 255 ? 255 : count + 1;
+                end
+            """,
             assumes={f"A product of two codes lies between {least} and {largest}.": in_range},
             helps=(
                 "!begun || acc == exact[" + f"{twin.acc_width - 1}:0]",

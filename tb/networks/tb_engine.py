@@ -24,8 +24,7 @@ from tb.common.network import TESTS
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 from tb.common.watch import busy_of, frames_computed
-from tb.engine.frame_proof import frame_check, frame_guard
-from tb.engine.image_proof import image_loader
+from tb.engine.stream_proof import frame_check, frame_guard, image_loader
 
 CASES = cases(
     *("engines", "lanes", "layered", "tables", "learned", "reloaded", "reloaded-lanes"),

@@ -14,8 +14,7 @@ from tb.common.case_library import cases
 from tb.common.properties import Property
 from tb.common.stimulus import random_resets
 from tb.common.watch import ago, results
-from tb.sensing.spi_converter import Converter
-from tb.sensing.spi_play import PINS, Timeline, check_error, listen
+from tb.sensing.spi_converter import PINS, Converter, Timeline, check_error, listen
 
 CASES = cases("converters")
 

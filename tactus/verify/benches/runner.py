@@ -6,6 +6,7 @@ folder and a simulator process of its own.
 
 import json
 import os
+import pickle
 import re
 import shlex
 import shutil
@@ -245,7 +246,7 @@ def run_job(job: Job) -> Outcome:
     given = job.folder / "given.pickle"
     with writing(job.folder):
         job.folder.mkdir(parents=True)
-        bench_input(job.scene, shipped_for(job)).write(given)
+        given.write_bytes(pickle.dumps(bench_input(job.scene, shipped_for(job))))
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} {scene_variable(job.scene)}"
     if job.frames != FRAMES:
