@@ -5,11 +5,12 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from golden.input_error import InputError, MissingFileError
-from golden.layers import input_integral
-from golden.numbers.fixed import Fix
+from golden.layers.input_integral import InputIntegral
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 from studies.__main__ import FOLDER, differences, measured, names, recorded, same
 from studies.beans import study as beans
 from studies.gripper import study as gripper
@@ -96,12 +97,12 @@ def test_a_case_that_breaks_its_bound_says_no(monkeypatch, value: float) -> None
 
 def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
     """Adders of the thesis would wrap without normalisation."""
-    right = input_integral.requantise
 
-    def wrapping(codes, shift, target: Fix, rounding, overflow):
-        return right(codes, shift, target, rounding, input_integral.Overflow.WRAP)
+    def wrapping(block: InputIntegral, frames: Codes) -> Codes:
+        sums = block.exact(frames) * np.array(block.row_factors)
+        return requantise(sums, block.out_shift, block.out_fmt, Rounding.ROUND, Overflow.WRAP)
 
-    monkeypatch.setattr(input_integral, "requantise", wrapping)
+    monkeypatch.setattr(InputIntegral, "process", wrapping)
     found = {(row.model, row.figure) for row in networks.rails() if not row.holds}
     assert {("digit-hybrid", "codes off"), ("digit-hybrid", "error in 2^-13")} <= found
 
