@@ -82,6 +82,16 @@ def test_a_shipped_scene_needs_no_group_in_its_name() -> None:
         assert load_scene(Path(name).name).path == load_scene(name).path
 
 
+@pytest.mark.parametrize(("keys", "lanes"), [("", 2), ("lanes = 4", 4)])
+def test_an_older_design_is_read_with_a_note(tmp_path, capsys, keys: str, lanes: int) -> None:
+    networks = [random_mlp((2, 5, 1), 1.0, 1)]
+    options = {"activation": "precise", "design": "lanes", "hardware": keys}
+    path = write_scene(tmp_path, f"older{lanes}", "exact", networks, **options)
+    assert load_scene(str(path)).twin().lanes == lanes
+    said = f"note: {path}: [hardware] is read as design = 'engine', lanes = {lanes}\n"
+    assert capsys.readouterr().err == said
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [("digit", "precise"), ("wine", "relu"), ("digit-sums", "functions in tables")],

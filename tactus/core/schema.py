@@ -27,7 +27,7 @@ import math
 import operator
 import re
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -282,10 +282,17 @@ def filled(rule: Rule, value: Any) -> Any:
     return {name: filled(keys[name], one) for name, one in (value | left_out).items()}
 
 
-def read_checked(path: Path, rule: Rule) -> dict[str, Any]:
-    """Read every key of a file with its value, check each by itself, and fill in the defaults."""
+def read_checked(
+    path: Path, rule: Rule, amend: Callable[[dict[str, Any], Path], None] | None = None
+) -> dict[str, Any]:
+    """Read every key of a file with its value, check each by itself, and fill in the defaults.
+
+    ``amend`` puts what an older file says into the words of today.
+    """
     with reading(path, "TOML"):
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    if amend:
+        amend(raw, path)
     if found := [*faults(rule, raw, "")]:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))
     return dict(filled(rule, raw))

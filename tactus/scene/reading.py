@@ -1,10 +1,13 @@
 """Reads scenes, by name or from a file."""
 
+import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
+from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
 from tactus.core.files import named_file
 from tactus.core.finding import Finding, collect_faults, fault, refuse
@@ -62,7 +65,20 @@ def load_scene(name: str) -> Scene:
         name: scene_path(one) for one in reversed(every) for name in (one, one.rpartition("/")[2])
     }
     path = named_file("scene", name, files, known)
-    return _scene(read_checked(path, SCENE), path)
+    return _scene(read_checked(path, SCENE, in_todays_words), path)
+
+
+def in_todays_words(raw: dict[str, Any], path: Path) -> None:
+    """Read the older design `lanes`, the engine with 2 lanes or more, with a note."""
+    hardware = raw.get("hardware")
+    if isinstance(hardware, dict) and hardware.get("design") == "lanes":
+        hardware |= {"design": Engine.block, "lanes": hardware.get("lanes", 2)}
+        _note(f"{path}: [hardware] is read as design = 'engine', lanes = {hardware['lanes']!r}")
+
+
+@cache
+def _note(text: str) -> None:
+    print(f"note: {text}", file=sys.stderr)
 
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
