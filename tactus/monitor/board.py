@@ -58,11 +58,6 @@ class Board:
         assert self.hardware.uart is not None, "looked at when it was made"
         return self.hardware.uart.baud
 
-    @property
-    def learns(self) -> bool:
-        """Whether it takes lessons."""
-        return self.instrument.learns
-
     @cached_property
     def flags(self) -> list[str]:
         """The flags that its hardware can raise."""

@@ -66,7 +66,7 @@ class Monitor:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.board, self.csv = board, csv
-        self.lessons = Lessons(board) if board.learns else None
+        self.lessons = Lessons(board) if board.instrument.learns else None
         self.decoder = Decoder(board.layout)
         self.computed = 0
         # What was said, with the time of day; the newest comes first.

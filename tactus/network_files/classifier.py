@@ -62,11 +62,8 @@ def followed(
 ) -> Ending:
     """Follow the operators behind a network to the outputs of the graph.
 
-    nodes: They begin with one of which ``begins`` is true.
-    start: The name of the network's values.
+    start, width: The name of the network's values, and how many it gives.
     outputs: The names of the graph's outputs.
-    constants: The values of constants by name.
-    width: How many values the network gives.
     refuse: Makes the error about a node.
     """
     kinds, found = {start: VALUES}, tuple[Label, ...]()

@@ -232,9 +232,6 @@ class Objective(Watched):
         return found
 
 
-Evaluate = Callable[[Real], tuple[float, Real]]
-
-
 def levenberg_marquardt(objective: Objective, start: Real, steps: int) -> Real:
     """Least squares over all weights at once, through SciPy's MINPACK."""
     found = least_squares(
@@ -292,18 +289,18 @@ SIGMA = 1e-4  # length of the difference that measures curvature, for a directio
 SCALE_RANGE = (1e-15, 1e100)
 
 
-def minimise(evaluate: Evaluate, start: Real, steps: int) -> Real:
-    """The point that SCG reaches from ``start``.
+def scg(objective: Any, start: Real, steps: int) -> Real:
+    """Scaled conjugate gradient, the optimiser of the thesis.
 
     M. F. Moller, "A scaled conjugate gradient algorithm for fast supervised learning", Neural
     Networks 6 (1993), 525-533. The step length comes from the curvature along the direction,
     measured by a difference of gradients and kept positive by a scale that grows where the
     quadratic model of the error is poor and shrinks where it is good; no line search is needed.
 
-    evaluate: Value and gradient at a point.
+    objective: Its ``evaluate`` gives value and gradient at a point.
     steps: Most steps, each of two evaluations.
     """
-    point = start
+    evaluate, point = objective.evaluate, start
     value, gradient = evaluate(point)
     direction = -gradient
     scale, curvature = 1.0, 0.0
@@ -349,11 +346,6 @@ def minimise(evaluate: Evaluate, start: Real, steps: int) -> Real:
         elif quality > 0.75:
             scale = max(scale / 2, SCALE_RANGE[0])
     return point
-
-
-def scg(objective: Objective, start: Real, steps: int) -> Real:
-    """Scaled conjugate gradient, the optimiser of the thesis; see ``minimise``."""
-    return minimise(objective.evaluate, start, steps)
 
 
 OPTIMISERS = {"levenberg-marquardt": levenberg_marquardt, "scg": scg}
