@@ -18,15 +18,15 @@ from golden.input_error import InputError
 # The normalisations of activations that are not part of a scene.
 FACTORS = (1, 2, 3, 5, 7, 11, 16, 30, 100, 500)
 
-# Functions whose result IEEE 754 defines to the last bit for a single number, and functions that
-# only compare or move bits.
+# Functions whose result IEEE 754 defines to the last bit for a single number, functions that only
+# compare or move bits, and fsum, which rounds the exact sum once.
 DEFINED = set(
     """absolute add bitwise_and bitwise_count bitwise_or bitwise_xor ceil copysign divide equal fabs
     floor floor_divide fmax fmin fmod frexp gcd greater greater_equal invert isfinite isinf isnan
     lcm ldexp left_shift less less_equal logical_and logical_not logical_or logical_xor maximum
     minimum modf multiply negative not_equal positive remainder right_shift rint sign signbit sqrt
     square subtract trunc
-    comb factorial isclose isqrt nextafter perm ulp""".split()  # noqa: SIM905
+    comb factorial fsum isclose isqrt nextafter perm ulp""".split()  # noqa: SIM905
 )
 # Functions that sum products in an order of their own. All of numpy.linalg belongs to them.
 REDUCTIONS = set(
