@@ -218,11 +218,7 @@ FMT = EXACT.hidden_fmt
 EVERY = np.arange(FMT.low, FMT.high + 1)
 # How many codes are not the nearest to tanh, and the largest error in units of 2**-13, that of
 # ``precise`` below its largest code: for larger q, tanh lies between this code and 1.
-MISSED = {
-    "precise": (12770, 0.957),
-    "precise block_ram": (452, 0.519),
-    "bipartite": (23416, 0.708),
-}
+MISSED = {"precise": (12770, 0.957), "precise block_ram": (452, 0.519), "bipartite": (23416, 0.708)}
 
 
 @pytest.mark.parametrize("name", MISSED)

@@ -82,10 +82,7 @@ def test_power_fold_is_the_power_saturated(power: int) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: ramp(SIGNAL, 0.05, 1.0),
-            "ramp: got positions from 0 to 8192",
-        ),
+        (lambda: ramp(SIGNAL, 0.05, 1.0), "ramp: got positions from 0 to 8192"),
         (lambda: ramp(SIGNAL, 0.05, 0.82), "expected a whole number of steps"),
         (lambda: ramp(SIGNAL, 0.05, float("inf")), "ramp: 0 to inf in steps of"),
         (lambda: ramp(SIGNAL, -0.05, 0.8), "in steps of -0.05, expected a whole number of steps"),

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from golden.common.block import Block
 from golden.common.flow import Flow, Wire
 from golden.common.port import CLOCKED, Port
 from golden.instruments.instrument import Scanned
@@ -23,8 +22,8 @@ class ConverterInstrument(Scanned):
         self.check_scan(reader, reader.scan_clocks - reader.slots)
 
     @property
-    def interval(self) -> int:
-        return self.converter_reader.scan_clocks
+    def scan(self) -> ConverterReader:
+        return self.converter_reader
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -37,25 +36,12 @@ class ConverterInstrument(Scanned):
 
     @property
     def burst(self) -> int:
-        """Clocks from the last bit of a scan to the last sample of its frame."""
-        return self.converter_reader.latency + self.converter_reader.slots - 1
-
-    @property
-    def latency(self) -> int:
-        """Clocks from the last bit of a scan to the first output."""
-        return self.burst + self.readout.latency
-
-    @property
-    def output_clocks(self) -> tuple[int, ...]:
-        return tuple(self.burst + c for c in self.readout.output_clocks)
+        return self.scan.latency + self.scan.slots - 1
 
     @property
     def frame_clocks(self) -> int:
         """A frame begins with its scan and ends with the scan's last bit."""
         return int(self.converter_reader.read_clocks[-1, -1]) + 1
-
-    def parts(self) -> tuple[Block, ...]:
-        return (self.converter_reader, self.readout)
 
     def flow(self) -> Flow:
         given = Wire("codes of the converter", self.converter_reader.part.bits)

@@ -44,6 +44,32 @@ class Scanned(Around):
         return self.readout
 
     @property
+    def scan(self) -> ScanSequencer | ConverterReader:
+        """The part that makes frames of scans."""
+        raise NotImplementedError
+
+    @property
+    def burst(self) -> int:
+        """Clocks from the last code of a scan to the last sample of its frame."""
+        return self.scan.latency
+
+    @property
+    def interval(self) -> int:
+        return self.scan.scan_clocks
+
+    @property
+    def latency(self) -> int:
+        """Clocks from the last code of a scan to the first output."""
+        return self.burst + self.readout.latency
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        return tuple(self.burst + c for c in self.readout.output_clocks)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (self.scan, self.readout)
+
+    @property
     def shown_ports(self) -> tuple[Port, ...]:
         """The ports that show results; frames of the wrong length cannot occur."""
         network = self.readout.network
@@ -79,10 +105,6 @@ class Instrument(Scanned):
         self.check_scan(scan, scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1)
 
     @property
-    def interval(self) -> int:
-        return self.scan_sequencer.scan_clocks
-
-    @property
     def ports(self) -> tuple[Port, ...]:
         scan = {port.name: port for port in self.scan_sequencer.ports}
         return (*CLOCKED, scan["adc"], scan["address"], *self.shown_ports)
@@ -92,25 +114,14 @@ class Instrument(Scanned):
         return self.scan_sequencer.unreachable
 
     @property
-    def latency(self) -> int:
-        return self.scan_sequencer.latency + self.readout.latency
-
-    @property
-    def output_clocks(self) -> tuple[int, ...]:
-        return tuple(self.scan_sequencer.latency + c for c in self.readout.output_clocks)
-
-    @property
     def frame_clocks(self) -> int:
         """A frame begins when its scan begins."""
         return int(self.scan_sequencer.sample_clocks[-1]) + 1
 
     @property
-    def scanner(self) -> ScanSequencer:
+    def scan(self) -> ScanSequencer:
         return self.scan_sequencer
 
     def flow(self) -> Flow:
         given = Wire("codes of the converter", SIGNAL)
         return Flow((given, self.scan_sequencer, None, self.readout))
-
-    def parts(self) -> tuple[Block, ...]:
-        return (self.scan_sequencer, self.readout)

@@ -17,7 +17,6 @@ from golden.layers.argmax import Argmax, ArgmaxTree
 from golden.layers.input_controller import InputController
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.sensing.scan_sequencer import ScanSequencer
 
 # Number of frames that are computed at a time: 4096 x 16 nodes x 8 bytes fit in a second-level
 # cache.
@@ -143,11 +142,6 @@ class Network(Block):
         """Texts about parts that its hardware does not have, because it does not need them."""
         inside = (part for part in self.parts() if isinstance(part, Network))
         return [text for part in inside for text in part.left_out()]
-
-    @property
-    def scanner(self) -> ScanSequencer | None:
-        """The block that makes the frames, where ``stream`` is ``converter``."""
-        return None
 
     def compute(self, frames: Codes) -> Codes:
         """Output codes, shape (frames - past, outputs), of a few frames, shape (frames, inputs)."""

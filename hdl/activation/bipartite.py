@@ -26,10 +26,7 @@ def memories(activation: Bipartite) -> tuple[Constants, Constants]:
     bases, corrections = activation.bases, activation.corrections
     width = activation.table.correction_width
     codes = [word & (1 << width) - 1 for word in corrections]
-    return (
-        Constants(bases, BASE_WIDTH, texts(bases)),
-        Constants(codes, width, texts(corrections)),
-    )
+    return (Constants(bases, BASE_WIDTH, texts(bases)), Constants(codes, width, texts(corrections)))
 
 
 @block

@@ -227,7 +227,7 @@ def _left_out(
         )
         # A bench of an instrument plays a few scans; its network has a bench of its own.
         more = f"{every} BLOCK={design.block} FRAMES={recorded}"
-        texts.append(f"{text}; {more} plays all." if design.scanner is None else f"{text}.")
+        texts.append(f"{text}; {more} plays all." if design.stream != "converter" else f"{text}.")
     return texts
 
 
