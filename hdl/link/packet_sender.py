@@ -299,13 +299,14 @@ def packet_sender(
 
     # The bytes of a packet up to the check, in the order of golden.link.packets.
     fresh = [SYNC, kind_byte(FRAME), layout.payload_bytes, number, flags, high, low]
-    codes = [*samples, *outputs]
+    codes, learned, drawn, told = [*samples, *outputs], [], [], []
     if spec.points:
         point, x, y = unsigned(8), fixed(SIGNAL), fixed(SIGNAL)
         parts.append(
             next_point(clk, rst, profile, shown=begins, number=point, x=x, y=y, points=spec.points)
         )
         codes += [x, y]
+        drawn = [point]
     if spec.learns:
         turn, element = unsigned(8), fixed(SIGNAL)
         parts.append(
@@ -321,19 +322,15 @@ def packet_sender(
             )
         )
         codes.insert(spec.inputs + spec.outputs, element)
+        learned = [turn]
     halves = [(unsigned(8), unsigned(8)) for _ in codes]
     parts += [two_bytes(code, *pair) for code, pair in zip(codes, halves, strict=True)]
     words = [half for pair in halves for half in pair]
-    if spec.points:
-        words.insert(-4, point)
-    behind_outputs = 2 * (spec.inputs + spec.outputs)
-    if spec.learns:
-        words.insert(behind_outputs, turn)
     if spec.decides:
         told = [unsigned(8) for _ in range(3)]
         parts.append(keep_winner(clk, rst, winner, *told))
-        words[behind_outputs:behind_outputs] = told
-    fresh += words
+    at, end = 2 * (spec.inputs + spec.outputs), len(words) - 4 * len(drawn)
+    fresh += [*words[:at], *told, *learned, *words[at:end], *drawn, *words[end:]]
     line = [unsigned(8) for _ in fresh]
     parts += [
         stage(clk, begins=begins, taken=taken, fresh=new, following=behind, here=here)
