@@ -182,7 +182,3 @@ def _parsed() -> int:
 
 def main() -> int:
     return run(_parsed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
