@@ -38,9 +38,13 @@ CALLED := $(shell awk -F'[][]' '/^\[/ {name = $$2} /^module/ {print name}' tactu
 
 help docs pages lint clean tools browser ready: named
 
+# Also what needs no environment reads TOML, which an older Python cannot.
+right_python = "$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
+	{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
+
 # A variable that no target here takes is most likely misspelt, and must not be ignored.
 named:
-	@! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named
+	@! command -v "$$PYTHON" >/dev/null || { $(right_python); exec "$$PYTHON" -m tactus.cli.commands named; }
 
 .DEFAULT:
 	@echo "error: make $$GOALS: no such target; make lists them" >&2; exit 2
@@ -109,8 +113,7 @@ ready:
 	"$$PYTHON" -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
 	test "$$(uname -m)" = x86_64 || command -v g++ >/dev/null || missing="$$missing g++ python3-dev"; \
 	{ $(call install,$$missing); } || exit 2; \
-	"$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
-		{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }; \
+	$(right_python); \
 	exec "$$PYTHON" -m tactus.cli.set_up "$$VENV"
 	@$(is_ready); \
 	missing=; \

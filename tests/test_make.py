@@ -289,6 +289,16 @@ def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Pa
     assert max(map(len, result.stdout.splitlines())) <= WIDTH
 
 
+def test_an_old_python_is_named(tmp_path: Path) -> None:
+    python = tmp_path / "python3"
+    python.write_text('#!/bin/sh\n[ "$1" = -V ] && echo Python 3.10.1\nexit 1\n')
+    python.chmod(0o755)
+    result = here(f"PYTHON={python}", "VENV=none")
+    assert result.returncode == 2
+    said = f"error: {python} is Python 3.10.1, expected Python 3.11 to 3.13; set PYTHON=\n"
+    assert result.stderr.startswith(said)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def ready() -> None:
     """Mark the present environment as ready, so that make does not set it up again."""
