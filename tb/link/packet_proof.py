@@ -258,20 +258,25 @@ def tell(twin):
     )
 
 
-def in_turn(number, count, came, codes, shown):
-    """Verilog that knows which of ``count`` items is shown, and the codes with which it came last.
+def in_turn(number, count, came, codes, shown, part, place="", below="<"):
+    """What is common to the properties of ``count`` items that are shown one after the other.
 
-    Where the item that is ``next`` comes, it takes the place of the one before.
+    Its Verilog knows which item is shown, and the codes with which it came last. Where the item
+    that is ``next`` comes, it takes the place of the one before.
 
     number: The name of the number of the item that is shown.
     came: In which clocks an item comes, and the number of the one that comes behind it.
     codes: For each name of a code, what it is when the item comes.
     shown: In which clocks an item has been shown, so that the next one is waited for.
+    part: What the names of the shown item begin with.
+    place: What those of the counters begin with, if not with the same.
+    below: How ``at`` compares with ``count``: "<=" if it may stand behind the last item.
     """
     valid, behind = came
     keeps = "\n".join(f"{name} <= {code};" for name, code in codes.items())
     clears = "\n".join(f"{name} <= 0;" for name in ("at", "next", number, *codes))
-    return f"""
+    place = place or part
+    watch = f"""
         reg [7:0] at = 0, next = 0, {number} = 0;
         reg [{SIGNAL.width - 1}:0] {", ".join(f"{name} = 0" for name in codes)};
         always @(posedge clk) begin
@@ -286,40 +291,33 @@ def in_turn(number, count, came, codes, shown):
             end
         end
     """
-
-
-def of_points(points, part, shown, place=""):
-    """What is common to the properties of points that are shown one with each packet or profile.
-
-    part: What the names of the shown point begin with.
-    place: What those of the counters begin with, if not with the same.
-    """
-    place = place or part
     return {
-        "watch": in_turn(
-            "point",
-            points,
-            ("profile_valid", "!profile_valid ? at : profile_last ? 0 : at + 1"),
-            {"x": "profile_x", "y": "profile_y"},
-            shown,
-        ),
-        "assumes": {
-            f"Each ramp has {points} points, as is proved of ramp.": "!profile_valid || "
-            f"profile_last == (at == {points - 1})"
-        },
+        "watch": watch,
         "helps": (
-            f"at < {points} && next < {points} && point < {points}",
+            f"at {below} {count} && next < {count} && {number} < {count}",
             f"{place}place == at",
             f"{place}wanted == next",
         ),
-        "reached": ("point == 1 && next == 2",),
+        "reached": (f"{number} == 1 && next == 2",),
         "refuted_by": (
             (rf"{place}place == {place}wanted", "1"),
             (rf"{place}wanted <= 0", f"{place}wanted <= 1"),
-            (rf"{part}number == {points - 1}", f"{part}number == 1"),
+            (rf"{part}number == {count - 1}", f"{part}number == 1"),
         ),
         "clocks": 12,
     }
+
+
+def of_points(points, part, shown, place=""):
+    """What is common to the properties of points that are shown one with each packet or profile."""
+    behind = "!profile_valid ? at : profile_last ? 0 : at + 1"
+    codes = {"x": "profile_x", "y": "profile_y"}
+    assumes = {
+        f"Each ramp has {points} points, as is proved of ramp.": "!profile_valid || "
+        f"profile_last == (at == {points - 1})"
+    }
+    came = ("profile_valid", behind)
+    return {"assumes": assumes, **in_turn("point", points, came, codes, shown, part, place)}
 
 
 def point_by_point(twin):
@@ -371,20 +369,11 @@ def element_by_element(twin):
         "packet before, as it came last behind a frame. It is the same element again where the "
         "next one has not come since, and element 0 follows the last one.",
         states=(f"{part}number == element", f"{part}element == code"),
-        watch=in_turn("element", count, ("theta_valid", behind), {"code": "theta_data"}, "begins"),
-        helps=(
-            f"at <= {count} && next < {count} && element < {count}",
-            f"{part}place == at",
-            f"{part}wanted == next",
-        ),
         free=("begins",),
-        reached=("element == 1 && next == 2",),
-        refuted_by=(
-            (rf"{part}place == {part}wanted", "1"),
-            (rf"{part}wanted <= 0", f"{part}wanted <= 1"),
-            (rf"{part}number == {count - 1}", f"{part}number == 1"),
+        **in_turn(
+            *("element", count, ("theta_valid", behind), {"code": "theta_data"}, "begins", part),
+            below="<=",
         ),
-        clocks=12,
     )
 
 
