@@ -126,6 +126,13 @@ WARNINGS = {
         lambda p: column(p, "x2", lambda _: read_table(p.with_suffix(".csv"), ["y1"])[:, 0]),
         "'y1' repeats 'x2'",
     ),
+    "rate": (
+        lambda p: (
+            change(p, r"\[network\]", "window = { x2 = [1] }\n[network]"),
+            change(p, r"\[training\]", '[front_end]\n[training]\nsplit = "blocks"'),
+        ),
+        "front_end.rate_hz: got none",
+    ),
 }
 
 

@@ -309,6 +309,9 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         findings += [Finding(OK, place, f"{before}{line}") for line in chosen]
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
+        if not scene.front_end.rate_hz and not scene.window.plain:
+            text = "got none, expected the rate of the rows, as data.window counts scans"
+            findings.append(Finding(WARNING, "front_end.rate_hz", text))
     return findings
 
 
