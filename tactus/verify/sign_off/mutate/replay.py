@@ -1,6 +1,5 @@
 """What a bench drove, saw and looked at, played again in plain Verilog for each mutant."""
 
-import hashlib
 import json
 import re
 import subprocess
@@ -16,49 +15,44 @@ PORT = re.compile(r"^(input|output) (?:signed )?(?:\[(\d+):0\] )?(\w+);", re.MUL
 
 @dataclass(frozen=True)
 class Trace:
-    """A trace on disk, and the ports of its columns with their widths.
+    """A trace and its test bench in a folder, and the outputs of its columns with their widths.
 
     ``masks`` names the flag of each output that the bench looks at only where the flag is high.
     """
 
     folder: Path
-    inputs: dict[str, int]
     outputs: dict[str, int]
     rows: int
-    digest: str
     masks: dict[str, str]
 
 
-def ports_of(text: str) -> dict[str, tuple[str, int]]:
-    """Direction and width of each port of exported Verilog."""
-    return {name: (way, int(top or 0) + 1) for way, top, name in PORT.findall(text)}
+def write_trace(recorded: Path, entity: str, folder: Path) -> Trace:
+    """Write what a bench did as a trace, and a test bench that plays it to an entity.
 
-
-def write_trace(recorded: Path, ports: dict[str, tuple[str, int]], folder: Path) -> Trace:
-    """One line a clock: what is driven, and what is due, with z where the bench does not look.
-
-    Parts in which it looks at more ports come first, so that mutants differ early.
+    The trace has a line for each clock: what is driven, and what is due, with z where the bench
+    does not look. Parts in which it looks at more ports come first, so that mutants differ early.
+    The folder holds the exported Verilog of the entity.
     """
+    exported = (folder / f"{entity}.v").read_text(encoding="utf-8")
+    ports = {name: (way, int(top or 0) + 1) for way, top, name in PORT.findall(exported)}
     parts = [json.loads(line) for line in recorded.read_text(encoding="utf-8").splitlines()]
     parts.sort(key=lambda part: -sum("1" in looked for looked in part["looked"].values()))
     names = list(dict.fromkeys(name for part in parts for name in part["columns"]))
     inputs = {n: ports[n][1] for n in names if ports[n][0] == "input"}
     outputs = {n: ports[n][1] for n in names if ports[n][0] == "output"}
-    digest = hashlib.sha256(f"{inputs} {outputs}".encode())
-    rows = 0
-    path = folder / "trace.txt"
+    lines = []
     # What a part does not drive keeps what it had.
     held = {name: "z" * width for name, width in inputs.items()}
-    with path.open("w", encoding="ascii") as handle:
-        for part in parts:
-            columns = part["columns"]
-            for row in range(len(next(iter(columns.values())))):
-                held |= {name: columns[name][row] for name in inputs if name in columns}
-                line = f"{''.join(held.values())} {''.join(_due(part, outputs, row))}\n"
-                handle.write(line)
-                digest.update(line.encode())
-                rows += 1
-    return Trace(folder, inputs, outputs, rows, digest.hexdigest(), masks_of(parts, outputs))
+    for part in parts:
+        columns = part["columns"]
+        for row in range(len(next(iter(columns.values())))):
+            held |= {name: columns[name][row] for name in inputs if name in columns}
+            lines.append(f"{''.join(held.values())} {''.join(_due(part, outputs, row))}\n")
+    (folder / "trace.txt").write_text("".join(lines), encoding="ascii")
+    template = environment("tactus.verify.sign_off.mutate").get_template("replay.v.jinja")
+    text = template.render(inputs=inputs, outputs=outputs, entity=entity, clocked="clk" in ports)
+    (folder / "replay.v").write_text(text, encoding="utf-8")
+    return Trace(folder, outputs, len(lines), masks_of(parts, outputs))
 
 
 def _due(part: dict[str, Any], outputs: dict[str, int], row: int) -> Iterable[str]:
@@ -84,14 +78,6 @@ def _only_with(part: dict[str, Any], name: str, flag: str) -> bool:
         return name not in columns
     looked = part["looked"][name]
     return all(bit == "1" for bit, at in zip(columns[flag], looked, strict=True) if at == "1")
-
-
-def write_bench(trace: Trace, entity: str, clocked: bool) -> None:
-    """A test bench that plays the trace."""
-    template = environment("tactus.verify.sign_off.mutate").get_template("replay.v.jinja")
-    names = [*trace.inputs, *trace.outputs, *(["clk"] if clocked else [])]
-    text = template.render(trace=trace, entity=entity, names=names, clocked=clocked)
-    (trace.folder / "replay.v").write_text(text, encoding="utf-8")
 
 
 def replay(trace: Trace, sources: list[Path]) -> list[str]:

@@ -28,6 +28,7 @@ from tactus.core import store
 from tactus.core.cli import stop_if_dry_run
 from tactus.core.closure import code
 from tactus.core.commands import arguments_of
+from tactus.core.fingerprint import fingerprint
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import processor_line, processor_minutes
@@ -44,7 +45,7 @@ from tactus.verify.sign_off.mutate.mutants import (
     make_mutants,
     write_netlists,
 )
-from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
+from tactus.verify.sign_off.mutate.replay import Trace, replay, write_trace
 from tactus.verify.sign_off.mutate.same import SAME, proved
 from tactus.verify.sign_off.record import (
     cases_line,
@@ -104,10 +105,8 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
     outcome = run_job(job)
     if not outcome.passed:
         raise RuntimeError(f"{job.entity}: {outcome.complaint()}")
-    ports = ports_of((subject.folder / f"{job.entity}.v").read_text(encoding="utf-8"))
-    trace = write_trace(job.trace_file, ports, subject.folder)
+    trace = write_trace(job.trace_file, job.entity, subject.folder)
     job.trace_file.unlink()
-    write_bench(trace, job.entity, "clk" in ports)
     differ = replay(trace, subject.sources(0))
     if differ:
         raise RuntimeError(
@@ -171,9 +170,8 @@ def _found(
 ) -> dict[str, Any]:
     """How many mutants are detected, how many are equivalent, and those that are neither."""
     mutants = subject.mutants
-    plays: dict[str, store.Part] = {
-        "trace": trace.digest,
-        "bench": subject.folder / "replay.v",
+    plays = {
+        "trace": fingerprint(subject.folder / name for name in ("trace.txt", "replay.v")),
         "simulator": version("icarus"),
         "scripts": _scripts("replay"),
     }
