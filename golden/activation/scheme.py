@@ -30,17 +30,16 @@ class Option:
     def check(self, value: object, place: str) -> Any:
         """Check a value and return the one to use."""
         kind = type(self.default)
-        if kind is float and type(value) is int:
-            value = float(value)
+        used = float(value) if kind is float and type(value) is int else value
         if self.choices:
             if value not in self.choices:
                 known = ", ".join(self.choices)
                 hint = suggest(str(value), self.choices)
                 raise InputError(f"{place}: got {value!r}, expected one of {known}{hint}")
-        elif type(value) is not kind or not 0 < value < math.inf:  # type: ignore[operator]
+        elif type(used) is not kind or not 0 < used < math.inf:  # type: ignore[operator]
             expected = {int: "a whole number above 0", float: "a number above 0"}[kind]
             raise InputError(f"{place}: got {value!r}, expected {expected}")
-        return value
+        return used
 
 
 @dataclass(frozen=True)

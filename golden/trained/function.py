@@ -66,7 +66,8 @@ class Function:
         elif not self.expression:
             places = [x for x, _ in self.points]
             if len(places) < 2 or not all(a < b for a, b in pairwise(places)):
-                raise InputError(f"x: got {places}, expected two or more numbers that rise")
+                got = ", ".join(f"{x:g}" for x in places)
+                raise InputError(f"x: got [{got}], expected two or more numbers that rise")
             if not np.isfinite(self.points).all():
                 raise InputError("x, y: got NaN or infinity, expected finite numbers")
         # The table of tanh is computed in integers, so that it is the same on every processor. So

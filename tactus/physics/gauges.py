@@ -18,7 +18,7 @@ import numpy as np
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.files import named_file
-from tactus.core.schema import load_keys, read_checked
+from tactus.core.schema import load_keys, read_checked, written
 from tactus.physics.beam import Beam, Loads, strain
 
 FOLDER = Path(__file__).parent / "rigs"
@@ -300,4 +300,4 @@ def _placements(loads: dict[str, Any], length: float) -> Loads:
 def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
     for fault, key, got, expected in faults:
         if fault:
-            raise InputError(f"{path}: {key}: got {got!r}, expected {expected}")
+            raise InputError(f"{path}: {key}: got {written(got, read=True)}, expected {expected}")
