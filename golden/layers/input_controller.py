@@ -1,6 +1,7 @@
 """CONTROLLER 1: counts the samples of a frame and refuses frames of a wrong length."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -99,6 +100,11 @@ class InputController(Block):
 
     def __post_init__(self) -> None:
         self.check(inputs=(1, None), spacing=(0, None))
+
+    @classmethod
+    def every(cls, interval: int, inputs: int) -> Self:
+        """The controller of frames that are at least ``interval`` clocks apart."""
+        return cls(inputs, interval if interval > inputs else 0)
 
     @property
     def entity(self) -> str:

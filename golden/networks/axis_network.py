@@ -88,10 +88,6 @@ class AxisNetwork(Around):
         return FIFO_CLOCKS + (self.argmax.latency if self.argmax else 0)
 
     @property
-    def latency(self) -> int:
-        return self.slots + self.network.latency + self.storing
-
-    @property
     def frames_under_way(self) -> int:
         """How many frames may be between their last sample and the transfer of their last output.
 

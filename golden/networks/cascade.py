@@ -35,9 +35,7 @@ class Cascade(Several):
 
     @property
     def input_controller(self) -> InputController:
-        length = self.networks[-1].inputs
-        spacing = self.interval if self.interval > length else 0
-        return InputController(length, spacing)
+        return InputController.every(self.interval, self.networks[-1].inputs)
 
     @property
     def interval(self) -> int:

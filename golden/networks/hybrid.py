@@ -91,8 +91,7 @@ class Hybrid(Design):
 
     @property
     def input_controller(self) -> InputController:
-        spacing = self.interval if self.interval > self.inputs else 0
-        return InputController(self.inputs, spacing)
+        return InputController.every(self.interval, self.inputs)
 
     @property
     def output_controller(self) -> OutputController:

@@ -208,6 +208,10 @@ class Around(Network):
         return self.inside.interval
 
     @property
+    def latency(self) -> int:
+        return self.output_clocks[0]
+
+    @property
     def input_controller(self) -> FrameJudge:
         return self.inside.input_controller
 

@@ -155,8 +155,7 @@ class Parallel(Design):
     @property
     def input_controller(self) -> InputController:
         """A frame is one element; frames are kept as far apart as the activation needs."""
-        spacing = self.interval if self.interval > 1 else 0
-        return InputController(1, spacing)
+        return InputController.every(self.interval, 1)
 
     def left_out(self) -> list[str]:
         texts = self.left_out_of(self.activations)

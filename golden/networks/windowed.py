@@ -64,10 +64,6 @@ class Windowed(Around):
         return tuple(sent + clocks for clocks in self.network.output_clocks)
 
     @property
-    def latency(self) -> int:
-        return self.output_clocks[0]
-
-    @property
     def input_controller(self) -> InputController:
         """Judges frames as the frame window does. It is not built."""
         return self.frame_window.input_controller
