@@ -14,7 +14,6 @@ from test_engine import random_codes
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
-from golden.engine.image import Image
 from golden.engine.integer_network import evaluate
 from golden.engine.memories import block_of
 from golden.input_error import InputError
@@ -140,9 +139,7 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
             continue
         dense = network((4, 4, 2), (other,))
         image = hardware.image_for([dense])
-        found = hardware.image_loader.judge(image.to_bytes())
-        before_last, words = found
-        running = hardware.running(Image(image.sizes, before_last + 2, tuple(words)))
+        running = hardware.running(hardware.received(image.to_bytes()))
         codes = random_codes(4, 50)
         assert np.array_equal(running.process(codes), Engine.of([dense]).process(codes))
         assert running.parts() == hardware.parts()

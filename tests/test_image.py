@@ -62,10 +62,7 @@ def hardware(tmp_path: Path) -> Engine:
 
 def from_bytes(hardware: Engine, image: Image) -> Engine:
     """The hardware, running the words that it finds in the bytes of an image."""
-    found = hardware.image_loader.judge(image.to_bytes())
-    before_last, words = found
-    inputs = (before_last + 2) % image.sizes.operand_words
-    return hardware.running(Image(image.sizes, inputs, tuple(words)))
+    return hardware.running(hardware.received(image.to_bytes()))
 
 
 def check_loaded(hardware: Engine, image: Image, alone: Engine) -> None:

@@ -188,6 +188,14 @@ class Engine(Design):
         integers = integer_networks(arrangement, networks, met, self._sizes.segment_width)
         return image_of(_graph_of(integers, self.lanes), self._sizes)
 
+    def received(self, data: bytes) -> Image | None:
+        """The image that the loader finds in some bytes; None if it is not good."""
+        found, sizes = self.image_loader.judge(data), self._sizes
+        if found is None:
+            return None
+        before_last, words = found
+        return Image(sizes, (before_last + 2) % sizes.operand_words, tuple(words))
+
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""
         return replace(self, program=image.program, loaded=image)

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
 from golden.learning.gradient import Pupil
@@ -150,16 +149,11 @@ class TwinBoard:
         if self.lessons:
             self.lessons.take(data)
         elif isinstance(self._core, Engine) and self._core.loaded:
-            self._load(self._core, self._core.loaded, data[IMAGE_HEADER:])
-
-    def _load(self, engine: Engine, loaded: Image, image: bytes) -> None:
-        found = engine.image_loader.judge(image)
-        self._error, self._runs = found is None, found is not None
-        if found is not None:
-            before_last, words = found
-            inputs = (before_last + 2) % (1 << engine.image_loader.operand_addr_width)
-            self._core = engine.running(Image(loaded.sizes, inputs, tuple(words)))
-            self._results.clear()
+            image = self._core.received(data[IMAGE_HEADER:])
+            self._error, self._runs = image is None, image is not None
+            if image is not None:
+                self._core = self._core.running(image)
+                self._results.clear()
 
     def _result(self, row: int) -> Results:
         pupil = self.lessons.pupil if self.lessons else None
