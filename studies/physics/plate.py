@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import zeta
 
 from golden.input_error import InputError
 from golden.numbers.real import Real, checked
@@ -117,6 +118,23 @@ class Plate:
                 line = line - _clamping(k * b / 2, k * (y - b / 2), k * eta, k * (b - eta))
             total += (sines * line / m**3).sum(axis=0)
         return total * a**2 / (np.pi**3 * self.stiffness)
+
+    def tail(self, points: ArrayLike, loads: ArrayLike, terms: int = TERMS) -> Real:
+        """A bound of the part of ``influence`` in the terms beyond ``terms``, m/N, shape (n, k).
+
+        A supported edge, and even more a clamped edge, only reduces the deflection of an infinite
+        strip: 0 <= line <= (1 + u) exp(-u) / 2 with ``u = k |y - eta|``. This decreases with m, so
+        the tail is at most its first value times the sum of 1 / m^3 (Hurwitz' zeta function).
+        Beside the load it decreases exponentially, and on the load's line as 1 / m^2.
+
+        Arguments and errors are as in ``influence``.
+        """
+        checked(terms=(terms, 1, MOST_TERMS))
+        _, y, _, eta = self._pairs(points, loads)
+        u = np.pi * (terms + 1) / self.length * np.abs(y - eta)
+        shape = (np.shape(points)[0], np.shape(loads)[0])
+        scale = self.length**2 / (2 * np.pi**3 * self.stiffness)
+        return np.broadcast_to((1 + u) * np.exp(-u) * scale * zeta(3, terms + 1), shape)
 
 
 def _minus(u: Real) -> Real:

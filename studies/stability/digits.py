@@ -14,6 +14,22 @@ DIGITS = 50
 FAR = 60
 
 
+def harmonic_sum(
+    position: float, load: float, centre: float, half_width: float, terms: int
+) -> float:
+    """Equation 3.17, see ``harmonic_load``."""
+    with mp.workdps(DIGITS):
+        w, c, p = (mp.mpf(value) for value in (half_width, centre, position))
+        return float(
+            4
+            * mp.mpf(load)
+            * mp.fsum(
+                mp.sinpi(m * w) * mp.cospi(m * c) * mp.cospi(m * p) / (m * mp.pi)
+                for m in range(1, terms + 1)
+            )
+        )
+
+
 def deflection(plate: Plate, point: tuple[float, float], load: tuple[float, float]) -> mp.mpf:
     """w in m/N at a point for 1 N at a load.
 

@@ -11,7 +11,7 @@ from scipy.special import ellipj, ellipkm1
 
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from studies.physics.plate import Plate
+from studies.physics.plate import TERMS, Plate
 from studies.physics.swing import (
     Swing,
     bearing_forces,
@@ -19,7 +19,7 @@ from studies.physics.swing import (
     swing_motion,
 )
 from studies.physics.swing_data import REST, Conditioning, read_sensor
-from studies.stability.case import Row, accepted, largest
+from studies.stability.case import Row, accepted, largest, worst
 from studies.stability.digits import DIGITS, deflection
 
 # The damping rates of stiff swings in 1/s.
@@ -36,6 +36,8 @@ STEEPEST = 200.0
 # a / 100, where cancellation costs four more digits.
 ROUNDING, CANCELLED = 1e-13, 1e-9
 PERIODS = 1000
+# Directions from a load, in parts of length and width.
+BESIDE = ((0, 0), (1, 0), (0, 1), (1, 1))
 ENERGY_DRIFT = 1e-8
 LIMIT_TERMS = 100_000
 AGREE = f"agree with {DIGITS} digits"
@@ -145,11 +147,14 @@ def plates() -> Iterator[Row]:
         moved = largest(held.influence(grid, rim), held.influence(rim, grid)) / scale
         case = f"load or point on the edge, {edges}"
         yield Row("plate", case, "not move", "w / w_max", moved, 1e-14)
-        near = [(0.3 * a, 1e-9 * b), (0.3 * a, (1 - 1e-9) * b)]
-        wanted = [[float(deflection(held, point, middle))] for point in near]
-        error = largest(held.influence(near, [middle]) - wanted) / scale
+        must = "keep the bound of the terms left out"
+        near = [(a * (0.5 + 1e-9 * i), b * (0.5 + 1e-9 * j)) for i, j in BESIDE]
+        for terms in (1, 10, 100, 1000, 10_000):
+            case = f"{terms} terms, 0 to 1e-09 of its sides from the load, {edges}"
+            yield Row("plate", case, must, "error / w_max", *_judged(held, near, terms))
         case = f"1e-09 of its width from an edge, {edges}"
-        yield Row("plate", case, AGREE, "error / w_max", error, ROUNDING)
+        pair = _judged(held, [(0.3 * a, 1e-9 * b), (0.3 * a, (1 - 1e-9) * b)], TERMS)
+        yield Row("plate", case, must, "error / w_max", *pair)
     for ratio in (0.01, 100.0):
         strip = Plate(length=1.0, width=ratio)
         load, point = (0.5, 0.5 * ratio), (0.49, 0.5 * ratio + 0.3 * min(1, ratio))
@@ -158,6 +163,15 @@ def plates() -> Iterator[Row]:
         error = abs(found - exact[1]) / exact[0]
         case = f"b / a of {ratio:g}, {LIMIT_TERMS} terms"
         yield Row("plate", case, AGREE, "error / w_max", error, CANCELLED)
+
+
+def _judged(plate: Plate, points: list[tuple[float, float]], terms: int) -> tuple[float, float]:
+    """Error and bound at that point, of a load in the middle, that is nearest to its bound."""
+    load = (plate.length / 2, plate.width / 2)
+    scale = float(deflection(plate, load, load))
+    exact = [[float(deflection(plate, point, load))] for point in points]
+    error = plate.influence(points, [load], terms) - exact
+    return worst(error / scale, plate.tail(points, [load], terms) / scale + ROUNDING)
 
 
 def others() -> Iterator[Row]:

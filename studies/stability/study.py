@@ -11,7 +11,7 @@ from tactus.report.measure.table import Cell
 CASES: tuple[Callable[[], Iterator[Row]], ...] = (
     *(networks.readings, networks.rails, networks.huge_weights, networks.accumulators),
     *(layered.rails, layered.ends, layered.dead, layered.ties, layered.ranges),
-    *(functions.most_negative, functions.divergence, functions.narrow_loads),
+    *(functions.most_negative, functions.divergence, functions.narrow_loads, functions.jumps),
     *(physics.plates, physics.swings, physics.others),
     *(conditioned.networks, conditioned.recalibration, conditioned.learning),
 )
