@@ -2,6 +2,7 @@
 
 import json
 import os
+import py_compile
 import re
 import shutil
 import signal
@@ -11,6 +12,7 @@ import time
 from contextlib import chdir
 from dataclasses import replace
 from importlib.metadata import version
+from importlib.util import cache_from_source
 from pathlib import Path
 
 import numpy as np
@@ -283,9 +285,9 @@ def test_an_export_of_another_network_is_red(fault: str, copied: Path) -> None:
 
 
 def test_the_prover_needs_nothing_but_numpy(copied: Path, tmp_path: Path) -> None:
-    assert check(copied, EVERY_FRAME) == 0
-    assert check(copied, "digests", EVERY_FRAME) == 0, "the prover leaves nothing behind"
     place = copied / "every_frame"
+    assert check(copied, EVERY_FRAME) == 0
+    assert not list(place.rglob("*.pyc"))
     for name in ("numpy", "numpy.libs"):
         source = Path(np.__file__).parents[1] / name
         if source.exists():
@@ -295,6 +297,16 @@ def test_the_prover_needs_nothing_but_numpy(copied: Path, tmp_path: Path) -> Non
     done = run(sys.executable, "-I", "-S", "-c", start, place, *files)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].startswith("proved for every frame: 2^")
+
+
+def test_the_prover_is_run_as_its_files_say_and_not_from_byte_code_beside_them(
+    copied: Path,
+) -> None:
+    (verdict,) = (copied / "every_frame").rglob("verdict.py")
+    other = tool(copied, "raise SystemExit('never run')")
+    beside, never = cache_from_source(str(verdict)), py_compile.PycInvalidationMode.UNCHECKED_HASH
+    py_compile.compile(str(other), beside, invalidation_mode=never)
+    assert check(copied, EVERY_FRAME) == 0
 
 
 def test_a_design_that_is_not_covered_says_so_and_why(copied: Path) -> None:

@@ -15,6 +15,7 @@ from tactus.core import store
 from tactus.core.store import VARIABLE
 from tactus.report.page import sign_off
 from tactus.report.page.sign_off import percent
+from tactus.verify.benches import runner
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off.mutate import same
@@ -109,6 +110,15 @@ def test_a_verdict_of_the_bench_is_of_all_that_enters_it(small: Subject, monkeyp
     run_bench(small, 2)
     assert len({key.digest for key in asked}) == 4
     assert {"bench", "twin", "twins", "simulated", "tools"} <= asked[0].parts.keys()
+
+
+def test_a_bench_that_fails_for_want_of_room_detects_no_mutant(small: Subject, monkeypatch) -> None:
+    monkeypatch.setattr(runner, "simulate", lambda *_: False)
+    monkeypatch.setattr(runner, "ROOM", 1 << 80)
+    with pytest.raises(InputError, match="full, so nothing is known of abs_unit in icarus"):
+        run_bench(small, FEW)
+    monkeypatch.setattr(runner, "ROOM", 0)
+    assert run_bench(small, FEW), "what was not known was not kept"
 
 
 @pytest.mark.all_only

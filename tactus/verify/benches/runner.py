@@ -12,6 +12,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -40,6 +41,8 @@ STAND_IN = ROOT / "tb" / "common" / "stand_in"
 SEED = 1
 # How many random frames the bench of a network plays.
 FRAMES = 100
+# With fewer bytes left on a disk, tools may have failed for this reason, and do not always say so.
+ROOM = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -287,6 +290,13 @@ def run_job(job: Job) -> Outcome:
     # The recorded frames in it would fill the disk if there are many entities.
     given.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)
+    # Such a failure must neither count against the hardware nor as the detection of a fault.
+    for place in () if outcome.passed else (job.folder, Path(tempfile.gettempdir())):
+        if shutil.disk_usage(place).free < ROOM:
+            raise InputError(
+                f"{place}: the disk is full, so nothing is known of {job.entity} in "
+                f"{job.runs_on}; expected {ROOM >> 20} MB or more that are free"
+            )
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome
