@@ -38,20 +38,21 @@ CALLED := $(shell awk -F'[][]' '/^\[/ {name = $$2} /^module/ {print name}' tactu
 
 help docs pages lint clean tools browser ready: named
 
-# Also what needs no environment reads TOML, which an older Python cannot.
+# The table of commands is TOML, which Python 3.10 cannot read: where an environment is ready, it reads it.
+reader = if [ -e "$$VENV/.ready" ] && [ -x $(RUN) ]; then exec $(RUN) -m tactus.cli.commands $@; fi
 right_python = "$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 	{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
 
 # A variable that no target here takes is most likely misspelt, and must not be ignored.
 named:
-	@! command -v "$$PYTHON" >/dev/null || { $(right_python); exec "$$PYTHON" -m tactus.cli.commands named; }
+	@$(reader); ! command -v "$$PYTHON" >/dev/null || { $(right_python); exec "$$PYTHON" -m tactus.cli.commands named; }
 
 .DEFAULT:
 	@echo "error: make $$GOALS: no such target; make lists them" >&2; exit 2
 
 # What is wanted, and of whom, is said once, in tactus/core/commands.toml, which needs no environment for this.
 help:
-	@"$$PYTHON" -m tactus.cli.commands help
+	@$(reader); exec "$$PYTHON" -m tactus.cli.commands help
 
 demo report mutate certify: $(if $(DRY_RUN),,tools)
 

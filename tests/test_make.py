@@ -293,6 +293,8 @@ def test_an_old_python_is_named(tmp_path: Path) -> None:
     python = tmp_path / "python3"
     python.write_text('#!/bin/sh\n[ "$1" = -V ] && echo Python 3.10.1\nexit 1\n')
     python.chmod(0o755)
+    # An environment that is ready is asked instead.
+    assert here(f"PYTHON={python}", "help").returncode == 0
     result = here(f"PYTHON={python}", "VENV=none")
     assert result.returncode == 2
     said = f"error: {python} is Python 3.10.1, expected Python 3.11 to 3.13; set PYTHON=\n"

@@ -17,7 +17,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from golden.input_error import InputError
+from golden.input_error import InputError, suggest
 from tactus.cli.commands import WIDTH, scene_names, start
 from tactus.core.cli import run
 from tactus.core.commands import BY_NAME, COMMANDS, Argument, Command
@@ -70,9 +70,6 @@ class Front(click.Group):
         """Find a command as click does, and suggest the nearest name for an unknown one."""
         name = args[0]
         if name not in self.commands and not ctx.resilient_parsing and not name.startswith("-"):
-            # Only here, since it imports numpy.
-            from golden.input_error import suggest
-
             if name in BY_NAME:
                 raise InputError(f"{name}: is a command of a checkout of tactus alone: make {name}")
             raise InputError(

@@ -240,7 +240,7 @@ def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
                 elif path.exists():
                     old = _beside(path)
                     tidy.callback(old.unlink, missing_ok=True)
-                    shutil.copy2(path, old)
+                    shutil.copy2(path, old, follow_symlinks=False)
                     undo.callback(old.replace, path)
                 else:
                     undo.callback(path.unlink, missing_ok=True)

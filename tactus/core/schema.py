@@ -139,11 +139,9 @@ def fits(rule: Rule, value: Any) -> bool:
         return any(fits(one, value) for one in rule["anyOf"])
     if "type" not in rule:
         return True
-    # A whole number of TOML has 64 bits at most; any may then become a float.
-    long = type(value) is int and not -(1 << 63) <= value < 1 << 63
-    unfit = long or (type(value) is float and not math.isfinite(value))
+    finite = type(value) is not float or math.isfinite(value)
     empty = "minLength" in rule and not value
-    return type(value) in TYPES[rule["type"]] and not unfit and not empty
+    return type(value) in TYPES[rule["type"]] and finite and not empty
 
 
 def _allowed(rule: Rule, value: Any) -> bool:
@@ -293,9 +291,19 @@ def read_checked(
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
     if amend:
         amend(raw, path)
-    if found := [*faults(rule, raw, "")]:
+    if found := [*_long(raw, "")] or [*faults(rule, raw, "")]:
         raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in found))
     return dict(filled(rule, raw))
+
+
+def _long(value: Any, place: str) -> Iterator[str]:
+    """Messages for whole numbers beyond the 64 bits of TOML; others have a text and a float."""
+    if isinstance(value, (dict, list)):
+        inner = value.items() if isinstance(value, dict) else ((None, one) for one in value)
+        for key, one in inner:
+            yield from _long(one, within(place, key) if key else place)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        yield f"{place}: got a number of {value.bit_length()} bits, expected 63 at most"
 
 
 def has_default(rule: Rule) -> bool:
