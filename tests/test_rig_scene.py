@@ -123,6 +123,8 @@ def test_interpolated_rows_are_named_and_held_out_in_blocks(tmp_path: Path) -> N
     (finding,) = look(tmp_path, **halves()).findings
     assert finding.verdict == WARNING
     assert "29 of 60 rows are exact means of the rows beside them" in finding.text
+    words = ["tactus.cli.scene", tmp_path / "rig.csv", "force,place"]
+    assert str(finding) in run(*CALL, *words, DRY="1").stdout
     assert scene_of(tmp_path, **halves()).training.split == "blocks"
 
 

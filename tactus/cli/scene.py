@@ -44,14 +44,14 @@ def main() -> None:
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))
     refuse(found.findings)
+    print("".join(f"{finding}\n" for finding in found.findings), end="")
     hardware = load_scene(arguments.hardware) if arguments.hardware else None
     if hardware:
         check_sensors(found, hardware)
     network = brought(arguments.network, found) if arguments.network else None
     stop_if_dry_run(f"write {path}")
     scene = write_scene(found, path, hardware, network)
-    for finding in dict.fromkeys([*found.findings, *check.data(scene)]):
-        print(finding)
+    print("\n".join(str(one) for one in check.data(scene) if one not in found.findings))
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
