@@ -3,7 +3,7 @@
 A command is called as ``make`` calls it, with ``DRY=1``: it checks its arguments, says what it
 would do, and does nothing. The tutorials really run them. ``test_make.py`` tests that make passes
 its variables on. Every run reads the guides and the datasheets, and resolves their links. ALL=1
-builds the whole site, with a page for each package and each file that a guide links to.
+builds the whole site, with a page for each file that a guide links to.
 """
 
 import re

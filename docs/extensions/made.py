@@ -6,10 +6,8 @@ of a block's page follow its ports, clocks, cells and sign-off.
 
 import re
 import warnings
-from pathlib import Path
 
 from sphinx.application import Sphinx
-from sphinx.environment import BuildEnvironment
 
 from golden.activation.pade import UnsettledWarning
 from tactus.core.commands import CLOSING, COMMANDS
@@ -33,23 +31,14 @@ def commands() -> str:
     return "\n".join([lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
 
 
-def text_of(name: str) -> str:
-    return commands() if name == "commands" else made(name)
-
-
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
-    source[0] = MARK.sub(lambda mark: text_of(mark[1]), source[0])
+    source[0] = MARK.sub(
+        lambda mark: commands() if mark[1] == "commands" else made(mark[1]), source[0]
+    )
     if page.startswith(FOLDER):
         source[0] += f"\n{sections()[page.removeprefix(FOLDER)]}\n"
 
 
-def outdated(app: Sphinx, env: BuildEnvironment, *_: set[str]) -> list[str]:
-    """Records may have changed though the page has not."""
-    texts = {page: Path(env.doc2path(page)).read_text(encoding="utf-8") for page in env.found_docs}
-    return [page for page, text in texts.items() if page.startswith(FOLDER) or MARK.search(text)]
-
-
 def setup(app: Sphinx) -> dict[str, bool]:
-    app.connect("env-get-outdated", outdated)
     app.connect("source-read", complete)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

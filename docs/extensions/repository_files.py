@@ -18,6 +18,8 @@ from sphinx.transforms import SphinxTransform
 
 ROOT = Path(__file__).resolve().parents[2]
 LANGUAGES = {".md": "markdown", ".py": "python", ".toml": "toml"}
+# The files that pages link to. The site is always built anew, so every page is read.
+LINKED: set[str] = set()
 
 
 class RepositoryLinks(SphinxTransform):
@@ -42,7 +44,7 @@ class RepositoryLinks(SphinxTransform):
             if not outside or not target.is_file():
                 continue
             path = target.relative_to(ROOT).as_posix()
-            linked(self.env).setdefault(self.env.docname, set()).add(path)
+            LINKED.add(path)
             link.replace_self(
                 addnodes.pending_xref(
                     "",
@@ -53,17 +55,6 @@ class RepositoryLinks(SphinxTransform):
                     refdoc=self.env.docname,
                 )
             )
-
-
-def linked(env: BuildEnvironment) -> dict[str, set[str]]:
-    """The files that each page links to."""
-    if not hasattr(env, "repository_links"):
-        env.repository_links = {}  # type: ignore[attr-defined]
-    return env.repository_links
-
-
-def forget(app: Sphinx, env: BuildEnvironment, docname: str) -> None:
-    linked(env).pop(docname, None)
 
 
 def resolve(
@@ -79,7 +70,7 @@ def write_pages(app: Sphinx, exception: Exception | None) -> None:
     """The pages of files, without the theme: that would double the time."""
     if exception or app.builder.format != "html":
         return
-    for path in set().union(*linked(app.env).values()):
+    for path in LINKED:
         text = (ROOT / path).read_text(encoding="utf-8")
         lexer = get_lexer_by_name(LANGUAGES.get(Path(path).suffix, "text"))
         page = app.outdir / "files" / f"{path}.html"
@@ -90,7 +81,6 @@ def write_pages(app: Sphinx, exception: Exception | None) -> None:
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_transform(RepositoryLinks)
-    app.connect("env-purge-doc", forget)
     app.connect("missing-reference", resolve)
     app.connect("build-finished", write_pages)
     return {"parallel_read_safe": False, "parallel_write_safe": True}

@@ -1,4 +1,4 @@
-"""How well an engine finds force and torque of a soft gripper, beside fits of others."""
+"""How well an engine finds force and torque of a soft gripper, beside a linear fit."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,6 +1,7 @@
 """Ill-conditioned problems: fits, corrections and a board that learns, with more digits beside."""
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -64,21 +65,11 @@ def _linearised(scene: Scene) -> Iterator[tuple[Real, Real]]:
         outputs.append(mlp.process(inputs))
 
 
-class _Linear:
-    """What a descent asks for, of a sum of squares of straight functions."""
-
-    def __init__(self, slopes: Real, errors: Real) -> None:
-        self._slopes, self._errors = slopes, errors
-
-    def residuals(self, point: Real) -> Real:
-        return np.asarray(self._errors + self._slopes @ point)
-
-    def jacobian(self, _: Real) -> Real:
-        return self._slopes
-
-
 def _descended(slopes: Real, errors: Real) -> Real:
-    aim: Any = _Linear(slopes, errors)
+    """Where a descent ends, of a sum of squares of straight functions."""
+    aim: Any = SimpleNamespace(
+        residuals=lambda point: errors + slopes @ point, jacobian=lambda _: slopes
+    )
     return levenberg_marquardt(aim, np.zeros(slopes.shape[1]), 400)
 
 
@@ -98,14 +89,8 @@ def recalibration() -> Iterator[Row]:
             exact = digits.inverse_of_squares(slopes)
             miss = largest(np.diag(found.root @ found.root.T) / np.diag(exact) - 1)
             case = f"{which}, {name}, condition {condition:.0e}"
-            yield Row(
-                "recalibration",
-                case,
-                AGREE,
-                "relative error of variances",
-                miss,
-                10 * condition * EPS,
-            )
+            figure, bound = "relative error of variances", 10 * condition * EPS
+            yield Row("recalibration", case, AGREE, figure, miss, bound)
             if len(rows) > 1:
                 sure = outlook(recorded, found)
                 figures = [*sure.before, *sure.after, *sure.chances[0]]

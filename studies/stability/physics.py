@@ -1,4 +1,4 @@
-"""Stiff and extreme cases of the physics: swing, plate, beam, conditioning."""
+"""Stiff and extreme cases of the physics: swing, plate, conditioning."""
 
 import itertools
 import math
@@ -12,12 +12,7 @@ from scipy.special import ellipj, ellipkm1
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from studies.physics.plate import TERMS, Plate
-from studies.physics.swing import (
-    Swing,
-    bearing_forces,
-    foot_forces,
-    swing_motion,
-)
+from studies.physics.swing import Swing, bearing_forces, foot_forces, swing_motion
 from studies.physics.swing_data import REST, Conditioning, read_sensor
 from studies.stability.case import Row, accepted, largest, worst
 from studies.stability.digits import DIGITS, deflection

@@ -58,9 +58,9 @@ def made(seconds: float) -> list[str]:
         f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
         f"{machine['instructions']}; {machine['versions']}.",
         "Run times are those of this machine, which reproduces every other figure exactly. Another "
-        "processor rounds last bits differently. That changes where trainings end and how many "
-        "evaluations an integrator takes, but nothing in the hardware. Each plot is an SVG and "
-        "each table a CSV in the folder beside this file. report.json holds all of them.",
+        "processor rounds last bits differently. That changes where trainings end, but nothing in "
+        "the hardware. Each plot is an SVG and each table a CSV in the folder beside this file. "
+        "report.json holds all of them.",
     ]
 
 

@@ -163,7 +163,7 @@ def profiles() -> str:
     for name in thesis_table("load_function")["shown"]:
         load, width, shape = loads[name]
         same = np.isclose(targets, (load, MIDDLE, width, shape), atol=1e-3).all(axis=1)
-        frames[f"load {name}"] = int(np.argmax(same))
+        frames[f"load {name}"] = int(np.flatnonzero(same)[0])
     return load_profile(scene, frames)
 
 
