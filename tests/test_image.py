@@ -24,8 +24,7 @@ from golden.trained.dense import DenseNetwork, Quantiser
 from golden.trained.function import TANH
 from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
-from tactus.verify.benches.runner import bench_input, plan, run_jobs
-from tactus.verify.benches.tools import SIMULATORS
+from tactus.verify.benches.runner import bench_input
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import CASE, cases
 from tb.common.cases import random_mlp, random_network
@@ -301,23 +300,6 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind
         assert "engine" in order
         for file in order.split():
             assert (first / file).read_bytes() == (second / file).read_bytes(), file
-
-
-@pytest.mark.all_only
-def test_one_hardware_runs_every_scene(tmp_path: Path) -> None:
-    """The images have other arrangements and numbers of samples, each with recorded frames.
-
-    Every run plays the same images through a smaller engine, in the first case of its bench.
-    """
-    scene = reloadable("digit", tmp_path)
-    planned = plan(scene, SIMULATORS, "engine", build=tmp_path / "build")
-    jobs = [replace(job, frames=200) for job in planned]
-    outcomes = run_jobs(
-        [replace(job, test="images_one_after_the_other") for job in jobs], at_once=1
-    )
-    assert len(outcomes) == len(SIMULATORS)
-    for outcome in outcomes:
-        assert outcome.passed, outcome.complaint()
 
 
 @pytest.mark.parametrize("name", [*cases("reloaded"), "rails-lanes-reload"])

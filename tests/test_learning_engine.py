@@ -100,6 +100,9 @@ def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
     desk.play([], sent(theta), clocks=60, theta=1)
     assert desk.timeline.pupil.codes.tolist() == theta.tolist()
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
+    # From there it learns on, until a difference in the lowest bit of a step can be read.
+    desk.play([], learn=1, clocks=20 * twin.longest_equation)
+    desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
     desk.clock(0, 0, 0, 0, 0, 0, 0, 0, 1)
     desk.play(frame, learn=1, clocks=twin.interval + 2 * twin.inputs + 3)
     assert not desk.timeline.pupil.theta.any()

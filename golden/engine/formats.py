@@ -1,7 +1,5 @@
 """The formats of the engine. They are the same for every scene, so the hardware is too."""
 
-from typing import TypeVar
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -36,23 +34,20 @@ def coeff_frac(result: Fix, operand: Fix) -> int:
     return result.frac + DROPPED - operand.frac
 
 
-Bits = TypeVar("Bits", int, Codes)
-
-
 def put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
     """Write a field of one of the words, where the field must hold 0 before."""
     low, bits = field
     words[place] |= (int(value) & ((1 << bits) - 1)) << low
 
 
-def get(word: Bits, field: tuple[int, int]) -> Bits:
-    """The bits of a field; from an array, those of each element."""
+def get(word: int, field: tuple[int, int]) -> int:
+    """The bits of a field."""
     low, bits = field
     return (word >> low) & ((1 << bits) - 1)
 
 
-def signed_code(bits: Bits) -> Bits:
-    """Read bits of a word's width as a signed code; from an array, each element."""
+def signed_code(bits: int) -> int:
+    """Read bits of a word's width as a signed code."""
     return bits - ((bits >> (WIDTH - 1)) << WIDTH)
 
 

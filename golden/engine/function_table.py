@@ -300,7 +300,11 @@ def in_blocks(functions: tuple[Function, ...], width: int, least: int = 0) -> Li
     ]
     unused = max(0, least - len(labels))
     segments = segments_of(width)
-    words = [(*pair,) for table in tables.values() for pair in _blocks(table, segments)]
+    words: list[tuple[int, int]] = []
+    for table in tables.values():
+        # The last line is repeated up to the end of the blocks.
+        lines = list(zip(table.intercepts, table.slopes, strict=True))
+        words += lines + lines[-1:] * (segments * (1 + table.both) - len(lines))
     intercepts, slopes = zip(*words, *[(0, 0)] * (unused * segments), strict=True)
     labels += [("unused", RESULT)] * unused
     return LineTable(width, intercepts, slopes, tuple(labels))
@@ -309,12 +313,6 @@ def in_blocks(functions: tuple[Function, ...], width: int, least: int = 0) -> Li
 def segments_of(width: int) -> int:
     """The number of segments of the whole range of q, on one side of 0."""
     return 1 << (HIDDEN.width - 1 - width)
-
-
-def _blocks(table: FunctionTable, segments: int) -> list[tuple[int, int]]:
-    """The words of a table, the last of them repeated up to the end of its blocks."""
-    words = list(zip(table.intercepts, table.slopes, strict=True))
-    return words + words[-1:] * (segments * (1 + table.both) - len(words))
 
 
 def check_words(table: LineTable) -> None:

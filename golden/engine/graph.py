@@ -123,10 +123,6 @@ class Graph:
     ranges: tuple[Range, ...] = ()
 
     @property
-    def outputs(self) -> int:
-        return sum(neuron.output for neuron in self.neurons)
-
-    @property
     def rectifies(self) -> bool:
         """Whether any sum below 0 becomes 0."""
         return any(neuron.relu for neuron in self.neurons)

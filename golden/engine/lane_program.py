@@ -199,12 +199,10 @@ class LaneProgram(Tabled):
         return self.row_width + 1 if above else self.counter_width
 
     @cached_property
-    def intercepts(self) -> Codes:
-        return np.array([signed_code(word) for word in self.table[: len(self.table) // 2]])
-
-    @cached_property
-    def slopes(self) -> Codes:
-        return np.array([signed_code(word) for word in self.table[len(self.table) // 2 :]])
+    def _lines(self) -> tuple[Codes, Codes]:
+        """The intercepts and the slopes of the table."""
+        intercepts, slopes = np.split(np.array(list(map(signed_code, self.table))), 2)
+        return intercepts, slopes
 
     @cached_property
     def steps(self) -> list[SimpleNamespace]:
@@ -310,10 +308,11 @@ class LaneProgram(Tabled):
         segment = ((word ^ negative) >> self.segment_width) & (self.segments - 1)
         if self.blocks > 1:
             segment += block_of(step.place, negative & 1) * self.segments
+        intercepts, slopes = self._lines
         if step.kind == Kind.INTERCEPT:
-            return np.asarray(self.intercepts[segment] * ((negative | 1) << DROPPED))
+            return np.asarray(intercepts[segment] * ((negative | 1) << DROPPED))
         span = 1 << self.segment_width
-        return np.asarray(self.slopes[segment] * ((word & (span - 1)) - span // 2))
+        return np.asarray(slopes[segment] * ((word & (span - 1)) - span // 2))
 
 
 def start_of(opens: int, lane: int) -> int:

@@ -24,19 +24,30 @@ def later(clocks: int) -> str:
     return f"{clocks} clock{'s' * (clocks > 1)} later"
 
 
-@dataclass(frozen=True)
-class OperandMemory(Block):
-    """Words of 18 bits; in each clock one is written and one is read.
+class Memory(Block):
+    """A memory whose word comes a clock after its address, and one later for each register.
 
     registers: Number of registers behind the memory.
+    """
+
+    part_of = "engine"
+    area = "engine"
+    registers: int
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+
+@dataclass(frozen=True)
+class OperandMemory(Memory):
+    """Words of 18 bits; in each clock one is written and one is read.
 
     A word that is read in the clock in which it is written has its old value. A word that was never
     written is undefined.
     """
 
     block = "operand_memory"
-    part_of = "engine"
-    area = "engine"
     addr_width: int
     registers: int = 0
 
@@ -52,23 +63,16 @@ class OperandMemory(Block):
             output_port("word", f"the word at `read_addr`, {later(self.latency)}", WORD),
         )
 
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
-
 
 @dataclass(frozen=True)
-class ProgramMemory(Block):
+class ProgramMemory(Memory):
     """Words of 36 bits, of which a counter reads one in each clock.
 
     words: The words of the program.
     notes: What each word stands for, as a comment in the exported file.
-    registers: Number of registers behind the memory.
     """
 
     block = "program_memory"
-    part_of = "engine"
-    area = "engine"
     words: tuple[int, ...]
     notes: tuple[str, ...]
     registers: int = 0
@@ -94,24 +98,16 @@ class ProgramMemory(Block):
         counted = output_port("word", f"the word at the counter, {later(self.latency)}", word)
         return (*COUNTER_PORTS, counted)
 
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
-
 
 @dataclass(frozen=True)
-class ProgramRam(Block):
+class ProgramRam(Memory):
     """Words of 36 bits that can be written, and of which a counter reads one in each clock.
-
-    registers: Number of registers behind the memory.
 
     A write uses the counter's port, so nothing is read in its clock. A word that was not written
     since the last reset is undefined; this does no harm, since an image is loaded after each reset.
     """
 
     block = "program_ram"
-    part_of = "engine"
-    area = "engine"
     addr_width: int
     registers: int = 0
 
@@ -129,10 +125,6 @@ class ProgramRam(Block):
                 word,
             ),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
 
 
 class Tabled:

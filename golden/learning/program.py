@@ -62,8 +62,7 @@ class Slot:
     source: Address of the word that is read.
     field: The weight, or the address of the second word of a product.
     first, of_output: Whether a sum starts, and whether it is one of an output.
-    store: The address at which the sum is stored; -1 where it is not stored.
-    leaves: Whether the word that is stored leaves the engine.
+    store, leaves: Whether the sum is stored, and whether its word leaves the engine.
     places: Whether ``field`` is the address at which the next results are stored.
     """
 
@@ -73,7 +72,7 @@ class Slot:
     product: bool = False
     first: bool = False
     of_output: bool = False
-    store: int = -1
+    store: bool = False
     leaves: bool = False
     places: bool = False
     note: str = "wait"
@@ -167,10 +166,9 @@ def _frame(taught: Corrected, graph: Graph, places: Places) -> list[Slot]:
     """Theta of 0 for one bank, the corrected samples, and the networks."""
     sensors, unknowns = places.sensors, places.unknowns
     names = [f"sample {k}" for k in range(sensors)] + [f"theta {k}" for k in range(unknowns)]
+    zeros = (f"theta {k} of one bank = 0" for k in range(unknowns))
     found = [_going_to(places.theta)]
-    for k in range(unknowns):
-        note, store = f"theta {k} of one bank = 0", places.theta + k
-        found.append(Slot(Kind.ONE, 0, 0, first=True, store=store, note=note))
+    found += (Slot(Kind.ONE, 0, 0, first=True, store=True, note=note) for note in zeros)
     # The first results behind theta go to address 0.
     sums = Sums(names)
     corrected(sums, taught)
@@ -200,16 +198,14 @@ def _keep(places: Places) -> list[Slot]:
     """The samples of the last frame, and the known outputs, behind each other."""
     found = [_going_to(places.placement)]
     for k in range(places.sensors):
-        source, store = places.samples + k, places.placement + k
-        note = f"placement: sample {k}, done"
-        found.append(Slot(Kind.WORD, source, 1 << DROPPED, first=True, store=store, note=note))
+        source, note = places.samples + k, f"placement: sample {k}, done"
+        found.append(Slot(Kind.WORD, source, 1 << DROPPED, first=True, store=True, note=note))
     # A known output comes in as a sample does.
     weight = 1 << (DROPPED + OUTPUT_SHIFT - SAMPLE_SHIFT)
     for k in range(places.outputs):
         # The sum of an output begins with half a unit of one, which a known output has too.
         known = Slot(Kind.WORD, places.targets + k, weight, first=True, of_output=True)
-        store = places.placement + places.sensors + k
-        found.append(replace(known, store=store, note=f"placement: known {k}, done"))
+        found.append(replace(known, store=True, note=f"placement: known {k}, done"))
     return found
 
 
@@ -248,10 +244,10 @@ def _placed(before: list[Slot], after: list[Slot], places: Places) -> list[Slot]
         steps = [*before, *([_waiting(places.samples)] * waits), *after]
         split = len(before) + waits
         for place in range(split, len(steps) + 1):
-            if place > split and steps[place - 1].store < 0:
+            if place > split and not steps[place - 1].store:
                 continue
             found = [*steps[:place], _going_to(places.theta), *steps[place:]]
-            stored = [n for n, slot in enumerate(found) if slot.store >= 0]
+            stored = [n for n, slot in enumerate(found) if slot.store]
             if all((n < split) == (n < place - lead) and n != place - lead for n in stored):
                 return found
         waits += 1
@@ -289,11 +285,11 @@ def _slots(
         if step.neuron < 0:
             found.append(_waiting(addresses[-1]))
             continue
-        term, neuron, store = step.term, graph.neurons[step.neuron], -1
+        term, neuron = step.term, graph.neurons[step.neuron]
         product = term.second >= 0
         by = called[term.second] if product else _TABLE.get(term.kind, str(term.weight))
         if step.last:
-            addresses[graph.inputs + step.neuron] = store = to
+            addresses[graph.inputs + step.neuron] = to
             to += 1
         slot = Slot(
             term.kind,
@@ -302,7 +298,7 @@ def _slots(
             product,
             step.first,
             step.first and neuron.output,
-            store,
+            step.last,
             step.last and neuron.output and leave,
             note=f"{neuron.name} {'=' if step.first else '+'} {called[term.source]} x {by}"
             f"{', done' * step.last}",
@@ -320,7 +316,7 @@ def _begun_alike(equations: Sequence[Sequence[Slot]]) -> int:
 
     def stores(word: int) -> bool:
         """Whether a word of an equation marks the end of a sum."""
-        return word >= PIPELINE.mark and equations[0][word - PIPELINE.mark].store >= 0
+        return word >= PIPELINE.mark and equations[0][word - PIPELINE.mark].store
 
     # The mark of the jump is in a word without that of a sum. Behind an equation the next one
     # begins in the middle, and two more marks count before it is known that this one has ended.
@@ -340,14 +336,18 @@ def assembled(
     alike = _begun_alike(parts[EQUATIONS:])
     shared = parts[EQUATIONS][:alike]
     pieces = [*parts[:EQUATIONS], shared, *(part[alike:] for part in parts[EQUATIONS:])]
-    notes, starts = table_notes(table), []
+    ((name, result),) = table.labels
+    texts = zip(result.texts(table.intercepts), result.texts(table.slopes), strict=True)
+    notes, starts = [f"{name} {intercept}, slope {slope}" for intercept, slope in texts], []
     for piece in pieces:
         starts.append(len(notes))
         notes += [slot.note for slot in piece]
         notes += [_BEHIND] * PIPELINE.mark * (piece is not shared)
     notes += [_BEHIND] * PIPELINE.padding
-    words = table_words(table)
-    words += [0] * (len(notes) - len(words))
+    words = [0] * len(notes)
+    for n, (intercept, slope) in enumerate(zip(table.intercepts, table.slopes, strict=True)):
+        put(words, n, (WIDTH, WIDTH), intercept)
+        put(words, n, (0, WIDTH), slope)
     first = [*range(starts[EQUATIONS], starts[EQUATIONS] + alike)]
     put(words, first[-TO_JUMP], FIELDS["end"][1], 1)
     begins = [*starts[:EQUATIONS], *starts[EQUATIONS + 1 :]]
@@ -367,7 +367,7 @@ def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None
             "product": slot.product,
             "first": slot.first,
             "first_of_output": slot.of_output,
-            "store": slot.store >= 0,
+            "store": slot.store,
             "output": slot.leaves,
             "end": n == len(part) - 1,
         }
@@ -376,17 +376,3 @@ def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None
             put(words, read[n + getattr(PIPELINE, clock)], field, value)
         if slot.places:
             put(words, read[n + PIPELINE.operand], FIELDS["output"][1], 1)
-
-
-def table_words(table: LineTable) -> list[int]:
-    """The words of a table."""
-    pairs = zip(table.intercepts, table.slopes, strict=True)
-    mask = (1 << WIDTH) - 1
-    return [((intercept & mask) << WIDTH) | (slope & mask) for intercept, slope in pairs]
-
-
-def table_notes(table: LineTable) -> list[str]:
-    """What the words of a table stand for."""
-    ((name, result),) = table.labels
-    texts = zip(result.texts(table.intercepts), result.texts(table.slopes), strict=True)
-    return [f"{name} {intercept}, slope {slope}" for intercept, slope in texts]
