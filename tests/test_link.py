@@ -333,11 +333,7 @@ def test_the_check_is_the_polynomials() -> None:
 
 POINT = (40, 1, -2)
 FLAGGED = Frame(7, ("converter_error", "line_error"), 0x1234, (-8192, 8191), (-1,), POINT)
-DECIDED = Frame(7, (), 1, (-1,), (8191, -8192), POINT, (1, 16383))
-LEARNED = Frame(7, ("learning",), 1, (-1,), (8191,), POINT, theta=(3, -8192))
-
-
-ALL = replace(DECIDED, theta=(255, 5))
+ALL = Frame(7, ("learning",), 1, (-1,), (8191, -8192), POINT, (1, 16383), theta=(255, 5))
 
 
 @pytest.mark.parametrize(
@@ -345,19 +341,9 @@ ALL = replace(DECIDED, theta=(255, 5))
     [
         (FrameLayout(2, 1, drawn=True), FLAGGED, "0e 07 09 1234 e000 1fff ffff 28 0001 fffe"),
         (
-            FrameLayout(1, 2, drawn=True, decides=True),
-            DECIDED,
-            "11 07 00 0001 ffff 1fff e000 01 3fff 28 0001 fffe",
-        ),
-        (
-            FrameLayout(1, 1, drawn=True, learns=True),
-            LEARNED,
-            "0f 07 40 0001 ffff 1fff 03 e000 28 0001 fffe",
-        ),
-        (
-            FrameLayout(1, 2, True, True, True),
+            FrameLayout(1, 2, drawn=True, decides=True, learns=True),
             ALL,
-            "14 07 00 0001 ffff 1fff e000 01 3fff ff 0005 28 0001 fffe",
+            "14 07 40 0001 ffff 1fff e000 01 3fff ff 0005 28 0001 fffe",
         ),
     ],
 )

@@ -307,7 +307,7 @@ def test_zero_is_in_the_first_segment(precision, factor: int) -> None:
     assert gradient_real(0.0)[0] == 0.00767
 
 
-THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["gradient"]
+THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]
 # The first and the tenth row of Table 5.2 of the thesis, headed g_n Q_j.
 TABLE_5_2 = {
     16: (0.0582, 0.0374, 0.0225, 0.0148, 0.0086, 0.0051, 0.0028, 0.001, 0.0002),
@@ -315,10 +315,17 @@ TABLE_5_2 = {
 }
 
 
-def test_the_table_is_the_thesis_table() -> None:
-    assert list(segments.UPPER) == THESIS_TABLE["upper"]
-    assert list(segments.GRADIENT) == THESIS_TABLE["gradient"]
-    assert list(segments.INTERCEPT) == THESIS_TABLE["intercept"]
+def test_the_constants_are_those_of_the_thesis() -> None:
+    lines, quadratics, parts = (THESIS_TABLE[name] for name in ("gradient", "polynomial", "pade"))
+    assert list(segments.UPPER) == lines["upper"]
+    assert list(segments.GRADIENT) == lines["gradient"]
+    assert list(segments.INTERCEPT) == lines["intercept"]
+    assert list(polynomial.UPPER) == quadratics["upper"]
+    rows = zip(*(quadratics[name] for name in ("a2", "a1", "a0")), strict=True)
+    assert list(polynomial.COEFFICIENTS) == list(rows)
+    for ours, key in ((pade.NUMERATOR, "numerator"), (pade.DENOMINATOR, "denominator")):
+        assert [1.0, *ours] == [float(Fraction(str(c))) for c in parts[key]]
+    assert parts["stable_below"] == pade.GATE
 
 
 def test_thresholds_of_table_4_3_with_the_misprint_mended() -> None:
@@ -346,7 +353,7 @@ def test_binary_points_of_table_4_3() -> None:
     codes, frac = coefficient_codes(3, 14, 13)
     assert frac == 13
     for code, gradient, point in zip(
-        codes, segments.GRADIENT, THESIS_TABLE["binary_point_gradient"], strict=True
+        codes, segments.GRADIENT, THESIS_TABLE["gradient"]["binary_point_gradient"], strict=True
     ):
         assert code == int(3 * gradient * 2**point + 0.5) << (13 - point)
 
@@ -362,15 +369,6 @@ def test_largest_error_of_a_gradient_word() -> None:
             reach = min(1.0, upper / factor)
             worst = max(worst, abs(code / 2**frac - gradient * factor) * reach * 8192)
     assert 0.58 < worst < 0.59
-
-
-PADE_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["pade"]
-
-
-def test_the_coefficients_are_those_of_equation_4_6() -> None:
-    for ours, key in ((pade.NUMERATOR, "numerator"), (pade.DENOMINATOR, "denominator")):
-        assert [1.0, *ours] == [float(Fraction(str(c))) for c in PADE_TABLE[key]]
-    assert PADE_TABLE["stable_below"] == pade.GATE
 
 
 def test_normalised_constants_of_4_5_2_3_3_with_the_misprint_mended() -> None:
@@ -428,16 +426,8 @@ def test_an_unsettled_regression_warns_with_its_distance() -> None:
         pade_for(EXACT, 1, 2 << 14, rho=2.0, iterations=60)
 
 
-TABLE_4_2 = tomllib.loads(NUMBERS.read_text())["activation"]["polynomial"]
-
 # A_n2 and A_n1 of Table 4.4 for Q = 3. A_n0 is printed as a_n0 / a_11.
 TABLE_4_4 = [(-0.2905, 0.333, -0.0013), (-0.0238, 0.0502, 0.6890)]
-
-
-def test_the_quadratics_are_those_of_the_thesis() -> None:
-    assert list(polynomial.UPPER) == TABLE_4_2["upper"]
-    rows = zip(*(TABLE_4_2[name] for name in ("a2", "a1", "a0")), strict=True)
-    assert list(polynomial.COEFFICIENTS) == list(rows)
 
 
 def test_constants_of_table_4_4_with_the_misprints_mended() -> None:

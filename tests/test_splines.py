@@ -85,10 +85,8 @@ def test_derivatives_are_differences(kind: int, word_error: float, classes: bool
     aim = aim_of(like, given, 0.3, 0.01, freedom=freedom, word_error=word_error)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     value, gradient, hessian = aim.value_gradient_hessian(point)
-    outputs, slopes = (
-        aim.network(point).process(given.inputs),
-        differences(lambda p: aim.network(p).process(given.inputs), point),
-    )
+    outputs = aim.network(point).process(given.inputs)
+    slopes = differences(lambda p: aim.network(p).process(given.inputs), point)
     if classes:
         parts = np.exp(outputs) / np.exp(outputs).sum(axis=1, keepdims=True)
         loss = -np.log(parts[given.targets == 1]).sum()

@@ -86,6 +86,7 @@ def test_power_fold_is_the_power_saturated(power: int) -> None:
         (lambda: ramp(SIGNAL, 0.05, 0.82), "expected a whole number of steps"),
         (lambda: ramp(SIGNAL, 0.05, float("inf")), "ramp: 0 to inf in steps of"),
         (lambda: ramp(SIGNAL, -0.05, 0.8), "in steps of -0.05, expected a whole number of steps"),
+        (lambda: ramp(SIGNAL, 0.05, 0.8, 0.9), "expected a whole number of steps upwards"),
         (lambda: ramp(SIGNAL, 0.05, 0.0), "ramp: 0 to 0 in steps of"),
         (lambda: ramp(SIGNAL, 0.5, 0.5, -1.5), "got positions from -12288 to 4096, expected"),
         (lambda: ramp(SIGNAL, 0.001, 0.5, -1.0), "1501 points with guard=17, which take 31 bits"),

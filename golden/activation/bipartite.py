@@ -250,8 +250,8 @@ class Bipartite(ActivationBlock):
 
     block = "bipartite"
     half_codes = True
-    # The clocks are those of q, which may come straight from an adder; of a block RAM, or of an
-    # address; of the word; and of the sum.
+    # The clocks are those of q, which may come straight from an adder; of a block RAM; of its word;
+    # and of the sum.
     latency = 4
     reach_width: int
 

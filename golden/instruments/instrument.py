@@ -58,12 +58,8 @@ class Scanned(Around):
         return self.scan.scan_clocks
 
     @property
-    def latency(self) -> int:
-        """Clocks from the last code of a scan to the first output."""
-        return self.burst + self.readout.latency
-
-    @property
     def output_clocks(self) -> tuple[int, ...]:
+        """They are counted from the last code of a scan."""
         return tuple(self.burst + c for c in self.readout.output_clocks)
 
     def parts(self) -> tuple[Block, ...]:

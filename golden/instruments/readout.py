@@ -87,10 +87,6 @@ class Readout(Around):
         return self.network.image
 
     @property
-    def latency(self) -> int:
-        return self.network.latency
-
-    @property
     def output_clocks(self) -> tuple[int, ...]:
         return self.network.output_clocks
 

@@ -1,23 +1,7 @@
 """The packets on an instrument's serial line: frames to a computer, images and lessons to a board.
 
-A packet begins with SYNC, a byte of version and kind, and the number of bytes of its payload. All
-numbers are sent with their highest byte first.
-
-    frame:  SYNC, VERSION FRAME, length (1 byte), number (1 byte), payload, check (2 bytes)
-    image:  SYNC, VERSION IMAGE, length (2 bytes), the bytes of the image
-    lesson: SYNC, VERSION LESSON, length (1 byte), payload, check (2 bytes)
-
-The payload of a frame consists of a byte of flags, the number of frames that the network has
-computed (16 bits), the samples and the outputs. Where the largest output is looked for, its index
-(1 byte) and its margin (16 bits, unsigned) follow; where the network learns, an element of theta:
-its number (1 byte) and its code; where a profile is drawn, one of its points: its number (1 byte),
-i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
-polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
-check. An image has its own check (``golden.engine.image``).
-
-A lesson is for a board that learns. Its payload consists of a byte whose bits are those of
-LESSON_BITS, and of codes of 16 bits: as many as there are outputs or elements of theta, whichever
-are more. The known outputs, or theta, come first; the codes behind them have no effect.
+docs/streams.md says what a packet of each kind holds, byte by byte. An image has a check of its own
+(``golden.engine.image``). The codes of a lesson that are more than it needs have no effect.
 """
 
 from binascii import crc_hqx
@@ -55,8 +39,8 @@ MOST_PAYLOAD = 255
 MOST_IMAGE = (1 << 16) - 1
 
 
-def kind_byte(kind: int, version: int = VERSION) -> int:
-    return version << 4 | kind
+def kind_byte(kind: int) -> int:
+    return VERSION << 4 | kind
 
 
 def check_of(data: bytes) -> int:

@@ -1,11 +1,12 @@
-"""tanh and exp of evenly spaced arguments, rounded down, computed in integers only.
+"""tanh and exp of evenly spaced arguments, rounded down, computed without binary floating point.
 
 A floating-point library may round the last bit of a transcendental function in any way, and it does
 so differently on different processors. Therefore the numbers that become hardware come from here.
 
-The values exp(-x) on an even grid are powers of one ratio. With ``BITS`` fraction bits, each value
-is the one before it times the ratio, rounded down. That is a lower bound. Adding k gives an upper
-bound, where k grows by two with each step:
+The values exp(-x) on an even grid are powers of one ratio. The first value and the ratio come from
+the decimal arithmetic of the standard library, all others from integers. With ``BITS`` fraction
+bits, each value is the one before it times the ratio, rounded down. That is a lower bound. Adding k
+gives an upper bound, where k grows by two with each step:
 
     w <= e < w + k, r <= ratio < r + 1, all at most 1, hence
     floor(w r) <= e ratio < floor(w r) + k + 2

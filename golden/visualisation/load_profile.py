@@ -30,8 +30,6 @@ WORD = 17
 T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
 
-ENDS = (("begins", "lowest"), ("ends", "highest"))
-
 # What full scale of the digit's coded position and width is in millimetres: neighbouring placements
 # are 6.35 mm apart (thesis section 3.8.2) and 0.045 in the table, and load A, 50.8 mm wide, is 0.9.
 POSITION_MM, WIDTH_MM = 127.0, 50.8
@@ -209,8 +207,8 @@ def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
         steps = (last - first) / increment
     if steps <= 0 or steps.denominator != 1:
         raise InputError(
-            f"ramp: {start:g} to {stop:g} in steps of {step:g}, expected a whole number of steps, "
-            f"each more than half an LSB of {fmt}"
+            f"ramp: {start:g} to {stop:g} in steps of {step:g}, expected a whole number of steps "
+            f"upwards, each more than half an LSB of {fmt}"
         )
     points = int(steps) + 1
     guard = points.bit_length() + 6
@@ -267,17 +265,16 @@ class LoadProfile(Block):
     @property
     def borders(self) -> tuple[Border, ...]:
         first, last = (int(p) for p in self.ramp.process()[[0, -1]])
-        lowest, top = (f"the ramp {what} with the {end} code" for what, end in ENDS)
+        lowest = "the ramp begins with the lowest code" if first == self.fmt.low else ""
+        highest = "the ramp ends with the highest code" if last == self.fmt.high else ""
         return (
             Border("triangle", "shape", self.shape_threshold + 1),
             Border("width not below 0", "width", 0),
             # A width of 0 counts as 1.
             Border("wider than the narrowest", "width", 2),
             Border("load not below 0", "load", 0),
-            Border("on the ramp", "position", first, 1, lowest if first == self.fmt.low else ""),
-            Border(
-                "behind the ramp", "position", last + 1, 1, top if last == self.fmt.high else ""
-            ),
+            Border("on the ramp", "position", first, 1, lowest),
+            Border("behind the ramp", "position", last + 1, 1, highest),
         )
 
     @property

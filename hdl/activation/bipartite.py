@@ -202,14 +202,13 @@ def from_memories(
 @block
 def node(clk, in_data, out_data, memory, *, activation: Bipartite):
     """tanh for one node; it reads a ``memory`` that other nodes may read, too."""
-    cut = FRAC
     width = BASE_WIDTH
     base_addr = unsigned((len(activation.bases) - 1).bit_length())
     slope_addr = unsigned((len(activation.corrections) - 1).bit_length())
     negative, negative_late = flag(), flag()
     base, wide_base, slope = unsigned(width), signed(width + 1), signed(width + 1)
     total = signed(width + 2)
-    result, joined = unsigned(width - cut), unsigned(activation.out_fmt.width)
+    result, joined = unsigned(width - FRAC), unsigned(activation.out_fmt.width)
     bases, corrections = memory
 
     find = from_memories(
@@ -231,7 +230,7 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
         # the correction, and the LUT at the other operand can invert the base.
         total.next = slope + wide_base
 
-    drop = ops.bits(total, width, cut, result)
+    drop = ops.bits(total, width, FRAC, result)
     join = ops.join(negative_late, result, joined)
 
     @always(clk.posedge)

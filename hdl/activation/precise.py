@@ -202,21 +202,8 @@ def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
     clocks = spec.memory_latency + STAGES
     return (
         abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
-        *(
-            split,
-            memory,
-            cut_top,
-            read,
-            gates,
-            adders,
-            assemble,
-            fold,
-            divide,
-            subtract,
-            crop,
-            flip,
-        ),
-        *(fill, widen, centre, hold, multiply, move, add, cut, keep),
+        *(split, memory, cut_top, read, gates, adders, assemble, fold, divide, subtract, crop),
+        *(flip, fill, widen, centre, hold, multiply, move, add, cut, keep),
         # This data has a reset, because without one this chain would be put into LUTs on Series 7.
         delay(clk, rst, intercept_early, intercept_late, clocks=1),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
