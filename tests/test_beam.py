@@ -133,27 +133,20 @@ STORY = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))
 NAMES = ("swing-train", *(f"swing-test-{n}" for n in range(1, 5)))
 
 
-def shipped(name: str) -> np.ndarray:
-    """The run that is shipped, or one of those that are made when they are needed."""
-    if name == NAMES[0]:
-        return read_table(DATA / f"{name}.csv", list(RUN))
-    return independent_run(NAMES.index(name), RUN)
-
-
 def test_shipped_recordings_are_those_of_their_provenance_and_can_be_made_again(
     tmp_path: Path,
 ) -> None:
     data = (DATA / f"{NAMES[0]}.csv").read_bytes()
     assert hashlib.sha256(data).hexdigest() == STORY[NAMES[0]]["sha256"]
-    for name in NAMES:
-        assert shipped(name).shape == (STORY[name]["rows"], 6) == (5000, 6)
-        assert STORY[name]["clipped"] == 0
     paths = write_recordings(tmp_path)
     assert [path.name for path in paths] == [*(f"{name}.csv" for name in NAMES), "swing.toml"]
-    for path in paths[:-1]:
-        again = read_table(path, list(RUN))
+    # One run is shipped, and the others are made when they are needed.
+    runs = [read_table(DATA / paths[0].name, RUN), *(independent_run(n, RUN) for n in range(1, 5))]
+    for path, run in zip(paths[:-1], runs, strict=True):
+        assert run.shape == (STORY[path.stem]["rows"], 6) == (5000, 6)
+        assert STORY[path.stem]["clipped"] == 0
         # Other versions of numpy and SciPy may round the last digit differently.
-        assert np.abs(again - shipped(path.stem)).max() <= 1.3e-4
+        assert np.abs(read_table(path, RUN) - run).max() <= 1.3e-4
     again = tomllib.loads(paths[-1].read_text(encoding="utf-8"))
     assert again["offset_mm"] == pytest.approx(STORY["offset_mm"])
     assert again["mm_per_unit"] == pytest.approx(STORY["mm_per_unit"])

@@ -32,8 +32,6 @@ from tactus.scene.image import scene_image
 from tactus.scene.scale import Scale
 from tb.common.cases import FRONT_END, random_network
 
-ROOT = Path(__file__).parents[1]
-
 
 @pytest.fixture(scope="module")
 def hardware() -> Scene:
@@ -102,6 +100,14 @@ def test_a_board_of_twins_may_send_less_than_a_packet_a_second(hardware: Scene) 
     assert line.rate < 1
     assert len(line.read()) == line.layout.packet_bytes
     assert line.read() == b""
+
+
+def test_a_converter_that_is_missing_is_told_at_once(hardware: Scene, monkeypatch) -> None:
+    line = TwinBoard(hardware)
+    packets = iter([line.layout.to_bytes(replace(line._frame(), flags=("converter_error",)))])
+    monkeypatch.setattr(line, "read", lambda: next(packets))
+    with pytest.raises(InputError, match="PORT=twin: converter_error: the converter is missing"):
+        recording.gather(line, Board(hardware, hardware), 100_000)
 
 
 def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:

@@ -171,7 +171,9 @@ def test_a_board_with_drifted_sensors_is_taught(scene: Scene) -> None:
     assert monitor._newest.outputs == tuple(pupil.process(sample)[0].tolist())
     after = worst(scene, pupil.process(simulated.samples), rows)
     computer = fit(recorded, placements_of(scene, simulated.samples, rows)).theta
-    theirs = recalibrated(scene, recorded, computer, simulated.samples, rows)
+    mlps = corrected(scene, recorded.correction(computer))
+    outputs = evaluate(integer_networks("cascade", mlps), simulated.samples)
+    theirs = worst(scene, outputs, rows)
     assert (after <= before / 3).all(), (before, after)
     assert after.mean() <= 2 * theirs.mean(), (after, theirs)
     assert said == []
@@ -192,14 +194,6 @@ def placements_of(scene: Scene, samples: Codes, rows: list[int]) -> Placements:
         vectors.scale[rows],
         np.ones(len(rows)),
     )
-
-
-def recalibrated(
-    scene: Scene, recorded: Sensitivity, theta: np.ndarray, samples: Codes, rows: list[int]
-) -> np.ndarray:
-    """The errors with the correction of ``make recalibrate``."""
-    mlps = corrected(scene, recorded.correction(theta))
-    return worst(scene, evaluate(integer_networks("cascade", mlps), samples), rows)
 
 
 def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
@@ -312,20 +306,14 @@ WRONG = {
     "no texts": ({"known": {"load": 0.5}}, "known: got {'load': 0.5}, expected a text for each"),
     "no names": ({"known": ["0.5"]}, "known: got ['0.5'], expected a text for each output"),
     "no wish": ({"learn": "yes"}, "learn: got 'yes', expected true or false"),
-    "missing": (
-        {"known": {"load": "0"}},
-        "position: got nothing, expected a number from -1.0000",
-    ),
+    "missing": ({"known": {"load": "0"}}, "position: got nothing, expected a number from -1.0"),
     "no file": ({"theta": None}, "theta: got None, expected 8 whole numbers from -8192 to 8191"),
     "empty": ({"known": KNOWN | {"width": " "}}, "width: got nothing, expected a number from -1.0"),
     "no number": ({"known": KNOWN | {"load": "nan"}}, "load: got 'nan', expected a number from -1"),
     "no theta": ({"theta": "0"}, "theta: got '0', expected 8 whole numbers from -8192 to 8191"),
     "short": ({"theta": [1] * 7}, "theta: got 7 values, [1, 1, 1, 1, 1, 1, 1], expected 8 whole"),
     "beyond": ({"theta": [8192] * 8}, "theta: got 8 values, [8192, 8192, 8192, 8192, 8192, 8192, "),
-    "too far": (
-        {"known": KNOWN | {"load": "-1.0001"}},
-        "load: got '-1.0001', expected a number f",
-    ),
+    "too far": ({"known": KNOWN | {"load": "-1.0001"}}, "load: got '-1.0001', expected a number f"),
 }
 
 

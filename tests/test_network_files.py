@@ -127,8 +127,6 @@ def test_networks_of_one_file_are_written_anew_one_by_one_or_not_at_all(
 
 
 SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-target-3-5-1"]
-
-
 FRAMEWORKS = ["torch-4-16-4", "torch-legacy-4-16-4", "keras-4-16-4"]
 
 

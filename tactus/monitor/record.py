@@ -123,9 +123,12 @@ def touched(
 
 def gather(line: Line, board: Board, frames: int) -> Real:
     """The readings of the next frames, shape (frames, sensors)."""
-    found = list(islice(frames_from(line, board), SETTLE + frames))
-    if any("converter_error" in frame.flags for frame in found):
-        raise InputError(f"PORT={line.label}: converter_error: the converter is missing or stuck")
+    found = []
+    for frame in islice(frames_from(line, board), SETTLE + frames):
+        if "converter_error" in frame.flags:
+            said = "converter_error: the converter is missing or stuck"
+            raise InputError(f"PORT={line.label}: {said}")
+        found.append(frame)
     return board.in_units(found[SETTLE:])[:, : len(board.scene.sensors)]
 
 

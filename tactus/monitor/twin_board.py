@@ -131,7 +131,8 @@ class TwinBoard:
 
     def read(self) -> bytes:
         """The packets that are due; none if that takes longer than ``PAUSE``."""
-        if self.lessons and self.lessons.busy:
+        # There is something to learn now.
+        if self.lessons and self.lessons.learn and self.lessons.pupil.placements:
             self.lessons.learn_for(LEARN_SECONDS)
             # A packet that cannot be sent meanwhile is not sent later.
             self.drop()
@@ -212,11 +213,6 @@ class TwinLessons:
         # all earlier ones comes first.
         self._received: list[int] = []
         self._taught: dict[str, Codes] | None = None
-
-    @property
-    def busy(self) -> bool:
-        """Whether there is something to learn now."""
-        return self.learn and self.pupil.placements > 0
 
     def take(self, data: bytes) -> None:
         """Take a packet from the computer; its known outputs or its theta wait for a frame."""

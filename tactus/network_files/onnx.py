@@ -49,7 +49,6 @@ DEFAULTS = {
 # Gelu with the attribute approximate = "tanh".
 GELU_OF_TANH = "0.5 * x * (1 + tanh(sqrt(2 / pi) * (x + 0.044715 * x ** 3)))"
 
-
 # Whatever their order in the file, weights are described with nodes in rows.
 TRANSPOSED = False
 LINEAR = ("Gemm", "MatMul")

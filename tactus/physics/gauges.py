@@ -29,7 +29,6 @@ RIG = load_keys(Path(__file__).with_suffix(".toml"), outputs=OUTPUTS, shapes=tup
 # Number of positions along the range of the load, for each width, shape and load.
 POSITIONS = 25
 
-
 # The mean magnitude of a normally distributed error, as a part of its standard deviation.
 MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
 
@@ -217,39 +216,38 @@ def _rig(values: dict[str, dict[str, Any]], path: Path) -> GaugeRig:
     length = beam["length_mm"]
     low, high = loads["position_mm"]
     widths = loads["width_mm"]
-    _refuse(
-        path,
+    for key, fault, expected in (
         (
+            "gauges.to_mm",
             gauges["from_mm"] + (gauges["count"] - 1) * gauges["apart_mm"]
             > min(gauges["to_mm"], length),
-            "gauges.to_mm",
-            gauges["to_mm"],
             f"room for {gauges['count']} gauges {gauges['apart_mm']:g} mm apart from "
             f"{gauges['from_mm']:g} on, on a beam of {length:g} mm",
         ),
         (
-            not gauges["noise_v"] and not gauges["noise_strain"],
             "gauges.noise_v",
-            gauges["noise_v"],
+            not gauges["noise_v"] and not gauges["noise_strain"],
             "above 0, or noise_strain above 0",
         ),
         (
-            any(not 0 <= place <= length for place in gauges["compare_mm"]),
             "gauges.compare_mm",
-            gauges["compare_mm"],
+            any(not 0 <= place <= length for place in gauges["compare_mm"]),
             f"places on the beam, 0 to {length:g}",
         ),
         (
+            "loads.position_mm",
             low - max(widths) / 2 < 0
             or low > length - loads["edge_mm"] - max(widths) / 2
             or high > length - loads["edge_mm"] - min(widths) / 2 + 1e-6,
-            "loads.position_mm",
-            [low, high],
             f"loads {min(widths):g} to {max(widths):g} mm wide that lie between root and tip",
         ),
-        (min(widths) <= 0, "loads.width_mm", widths, "widths above 0"),
-        (loads["load_g"][0] <= 0, "loads.load_g", loads["load_g"], "loads above 0"),
-    )
+        ("loads.width_mm", min(widths) <= 0, "widths above 0"),
+        ("loads.load_g", loads["load_g"][0] <= 0, "loads above 0"),
+    ):
+        if fault:
+            section, name = key.split(".")
+            got = written(values[section][name], read=True)
+            raise InputError(f"{path}: {key}: got {got}, expected {expected}")
     placements = _placements(loads, length)
     ranges = np.array([np.ptp(loads["load_g"]) / 1e3, (high - low) / 1e3, np.ptp(widths) / 2e3])
     full = [errors["length_mm"].get(name, 0.0) / 1e3 for name in OUTPUTS[1:]]
@@ -295,9 +293,3 @@ def _placements(loads: dict[str, Any], length: float) -> Loads:
         if place <= length - loads["edge_mm"] - width / 2
     ]
     return Loads(*np.array(rows, dtype=np.float64).T)
-
-
-def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
-    for fault, key, got, expected in faults:
-        if fault:
-            raise InputError(f"{path}: {key}: got {written(got, read=True)}, expected {expected}")

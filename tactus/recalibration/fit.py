@@ -1,22 +1,7 @@
 """Fits gain and offset of each sensor to a few placements whose outputs are known.
 
-The networks stay unchanged. A correction ``gain * reading + offset`` of each sensor before the
-networks is fitted. The method is general: the placements need not be in the recording, and any
-scene can be recalibrated.
-
-The method is a Bayesian linear regression through the derivatives of the networks:
-
-- ``theta`` is the drift of the sensors, in standard deviations of the expected drift. Before
-  any reading its mean is 0 and its covariance is ``I``.
-- A placement says ``known outputs = outputs of the corrected readings + e``. ``S`` is the
-  covariance of ``e``, which contains the networks' own errors and the noise of the readings. See
-  ``Sensitivity``.
-- The most likely ``theta`` afterwards is where ``sum e^T S^-1 e + theta^T theta`` is least. This
-  is a ridge regression whose weight comes from the expected drift. With ``J``, the derivatives of
-  the outputs by ``theta``, its covariance is ``C = (I + sum J^T S^-1 J)^-1``.
-
-If the placements tell little compared with their noise, ``theta`` stays near 0, which means no
-correction.
+It is a Bayesian linear regression through the derivatives of the networks: docs/recalibration.md
+names its ``theta``, ``e``, ``S``, ``J`` and ``C``. Placements need not be in the recording.
 """
 
 from dataclasses import dataclass

@@ -67,15 +67,10 @@ class Outlook:
     chances: Real
 
     @property
-    def sure(self) -> float:
-        """The part of the corrections that surely improve the outputs."""
-        needed = np.array([SURE, *[EACH_SURE] * len(self.after)])
-        return float((self.chances >= needed).all(axis=1).mean())
-
-    @property
     def enough(self) -> bool:
-        """Whether the placements behind it are called enough."""
-        return self.sure >= ENOUGH
+        """Whether enough of the corrections surely improve the outputs."""
+        needed = np.array([SURE, *[EACH_SURE] * len(self.after)])
+        return bool((self.chances >= needed).all(axis=1).mean() >= ENOUGH)
 
 
 def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftOut) -> bool:

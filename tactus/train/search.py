@@ -2,8 +2,8 @@
 
 Each candidate goes through three steps: the optimiser on tanh; the optimiser on the hardware's
 activation, where that is not tanh, so that the weights compensate for its error; and a shift of the
-output biases by the mean bit-true error, which removes what truncation adds. With many rows,
-Levenberg-Marquardt solves its normal equations, which takes a tenth of the time.
+output biases by the mean bit-true error, which removes what truncation adds. With many rows or for
+classes Levenberg-Marquardt solves its normal equations, which takes a tenth of the time.
 
 On one machine a candidate depends only on the task, its hidden nodes and its number, so neither the
 number of workers nor an interruption changes the result. Elsewhere the result may differ: on

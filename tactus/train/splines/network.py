@@ -132,7 +132,7 @@ class Edges:
         first, second = np.split(kinds, [self.first.size])
         found = Edges(first.reshape(self.first.shape), second.reshape(self.second.shape))
         # A sum that nothing uses, or that is constant, needs no edges.
-        used = _used(found.first, found.second)
+        used = (found.second != FLAT).any(axis=0) & (found.first != FLAT).any(axis=1)
         return replace(found, first=found.first * used[:, np.newaxis], second=found.second * used)
 
     def freedom(self, network: SplineNetwork) -> Real:
@@ -141,17 +141,12 @@ class Edges:
         Each kind of edge has its own columns: every coefficient, or a constant and a slope, or a
         constant.
         """
-        blocks = []
-        for kind, bend in zip(self.kinds, coefficients(network), strict=True):
-            across = np.linspace(-1, 1, len(bend))
-            columns = np.stack([np.ones(len(bend)), across], axis=1)
-            blocks.append(np.eye(len(bend)) if kind == CURVED else columns[:, : 1 + kind])
+        blocks, layers = [], (network.first, network.second)
+        sizes = [layer.shape[2] for layer in layers for _ in layer.reshape(-1, layer.shape[2])]
+        for kind, size in zip(self.kinds, sizes, strict=True):
+            columns = np.stack([np.ones(size), np.linspace(-1, 1, size)], axis=1)
+            blocks.append(np.eye(size) if kind == CURVED else columns[:, : 1 + kind])
         return np.asarray(block_diag(*blocks, np.eye(len(network.biases))))
-
-
-def coefficients(network: SplineNetwork) -> list[Real]:
-    """The coefficients of each edge, in the order of ``Edges.kinds``."""
-    return [edge for layer in (network.first, network.second) for row in layer for edge in row]
 
 
 def bends(network: SplineNetwork, inputs: Real) -> tuple[Real, Real]:
@@ -177,11 +172,6 @@ def bends(network: SplineNetwork, inputs: Real) -> tuple[Real, Real]:
     found = [[miss[:, np.newaxis] * by for miss in _misses(x, y)] for x, y, by in edges]
     straight, flat = (np.array(part) for part in zip(*found, strict=True))
     return straight, flat
-
-
-def _used(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which hidden sums change, and are used."""
-    return np.asarray((second != FLAT).any(axis=0) & (first != FLAT).any(axis=1))
 
 
 def _misses(x: Real, y: Real) -> tuple[Real, Real]:

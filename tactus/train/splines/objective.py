@@ -64,10 +64,10 @@ class SplineObjective(Watched):
 
     def value(self, parameters: Real) -> float:
         network = self.network(parameters)
-        errors = self.training.errors(network.from_sums(network.sums(self._spread)))
+        sums = network.sums(self._spread)
+        errors = self.training.errors(network.from_sums(sums))
         found = float((errors**2).sum() + parameters @ self.stiffness @ parameters)
         if self.word_error:
-            sums = network.sums(self._spread)
             steep = self._by_words(network, network.hidden.at(sums)[1])
             found += float(((steep * np.ptp(sums, axis=0)) ** 2).sum())
         self.note(found, parameters)

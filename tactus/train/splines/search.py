@@ -10,7 +10,7 @@ and with ``training.refit`` the network is trained on with more rows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import floor, log2
@@ -50,7 +50,6 @@ HIDDEN_INTERVALS = 4
 BENDS = (0.01, 0.03, 0.1)
 CLASS_BENDS = (0.1, 0.3, 1.0)
 
-STEPS, PATIENCE, SIZE = 300, 40, 1e-6
 # The splines of an input reach beyond its range by this part of it, and by the second number where
 # the input is the same in all rows of training. Nothing can be learned of such an input.
 MARGIN, ALONE = 0.01, 1.0
@@ -129,7 +128,7 @@ class Stages(search.Stages):
     def trained(self, tasks: list[Task], *candidate: Any) -> list[Any]:
         task, seen_more, seen_all = tasks
         found = train(task, *candidate)
-        found = pruned(found, task.training, task.validation, Learned.error)
+        found = pruned(found, task.training, task.validation)
         kinds = found.edges.kinds.tolist()
         self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})
         networks: list[Any] = [as_layers(task, found, task.training)] * 3
@@ -156,9 +155,9 @@ class SplineSettings:
     nodes: int
     intervals: int
     bend: float
-    size: float = SIZE
-    steps: int = STEPS
-    patience: int = PATIENCE
+    size: float = 1e-6
+    steps: int = 300
+    patience: int = 40
     word_error: float = 0.0
 
 
@@ -218,17 +217,13 @@ def trained(
     return first.descended(edges, training, validation)
 
 
-def pruned(
-    learned: Learned, training: Rows, validation: Rows, error: Callable[[Learned, Rows], float]
-) -> Learned:
+def pruned(learned: Learned, training: Rows, validation: Rows) -> Learned:
     """A network with edges that are straight or flat where this costs next to nothing.
 
     An edge becomes straight, or flat, if that changes the outputs by less than a part of the error
     of the network, each in the measure of the loss. All others compensate for it.
-
-    error: The error of a network on rows.
     """
-    allowed = COST * error(learned, validation)
+    allowed = COST * learned.error(validation)
     present = learned.error(training)
     roots = training.roots(learned.process(training.inputs))
     # The matrices of each row turn what the outputs change into what the loss does.
@@ -242,7 +237,7 @@ def pruned(
             if straight[n] < part * present:
                 edges = edges.with_kind(n, FLAT if flat[n] < part * present else STRAIGHT)
         found = learned.descended(edges, training, validation)
-        if error(found, validation) <= allowed:
+        if found.error(validation) <= allowed:
             return merged(found)
     return merged(learned)
 
