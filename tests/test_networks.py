@@ -102,9 +102,7 @@ def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: flo
         assert Hybrid.of([largest], Settings(THESIS, "gradient")).output_integral.factors == (
             2**30 - 1,
         )
-    with pytest.raises(
-        InputError, match=rf"^{place} weights: got .* to .*, expected .* 1073741824"
-    ):
+    with pytest.raises(InputError, match=rf"^{place} weights: got .* to .*, expected .* 107374182"):
         Hybrid.of([far], Settings(THESIS, "gradient"))
 
 
@@ -154,22 +152,12 @@ MISMATCHES: list[tuple[str, str, Callable[[Any], dict[str, Any]], str]] = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("made", "changed", "message"),
-    [
-        (
-            bipartite_for,
-            {"in_fmt": SIGNAL},
-            r"in_fmt=Fix\(14,13\) .* expected 14 fraction bits and",
-        ),
-        (precise_for, {"coefficients": "flash"}, "='flash', expected one of logic, block_ram"),
-    ],
-)
-def test_an_activation_refuses_what_its_tables_are_not_made_for(
-    made: Callable[..., Any], changed: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=f": got .*{message}"):
-        replace(made(EXACT, 1, 1 << 17), **changed)
+def test_an_activation_refuses_what_its_tables_are_not_made_for() -> None:
+    bipartite, precise = (made(EXACT, 1, 1 << 17) for made in (bipartite_for, precise_for))
+    with pytest.raises(InputError, match=r": got in_fmt=Fix\(14,13\) .* 14 fraction bits and"):
+        replace(bipartite, in_fmt=SIGNAL)
+    with pytest.raises(InputError, match=": got .*='flash', expected one of logic, block_ram"):
+        replace(precise, coefficients="flash")
 
 
 @pytest.mark.parametrize(("name", "block", "change", "message"), MISMATCHES)
@@ -199,11 +187,7 @@ def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
 @pytest.mark.parametrize(
     ("design", "shape", "said"),
     [
-        (
-            "engine",
-            (3, 1024, 1024, 2),
-            "engine: got .* weights of a 3:1024:1024:2 network, expected",
-        ),
+        ("engine", (3, 1024, 1024, 2), "engine: got .* weights of a 3:1024:1024:2 network, exp"),
         ("adder_graph", (3, 1024, 1024, 2), "adder_graph: got .* weights of a "),
         ("engine", (3, 1024, 2), "engine: got .* samples, hidden nodes and outputs of a 3:1024:2 "),
     ],
@@ -412,9 +396,7 @@ def test_quantise_refuses_what_is_not_finite(bad: float) -> None:
 
 
 def test_check_names_code_and_place() -> None:
-    with pytest.raises(
-        InputError, match=r"got code 8192 at index \(0, 1\), expected -8192 to 8191"
-    ):
+    with pytest.raises(InputError, match=r"got code 8192 at index \(0, 1\), expected -8192 to "):
         Q13.check([[0, 8192]])
     with pytest.raises(InputError, match=r"got shape \(3,\), expected \(..., 4\)"):
         Q13.check([1, 2, 3], columns=4)

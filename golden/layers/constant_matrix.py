@@ -53,8 +53,8 @@ class ConstantMatrix(Block):
         bit where LUTs have six inputs, and about two where they have four. It counts as one adder
         in ``adders_per_clock``.
     search_runs: How many runs the search for the graph has; 0 for up to 40, fewer for a large
-        matrix. The graph of more runs is never larger. It takes longer to find and is kept in the
-        store.
+        matrix. The graph of more runs never has more bits of adders in as many clocks. It takes
+        longer to find and is kept in the store.
 
     The graph is that of ``golden.layers.sharing``. Dropping bits moves the sum of row i by a number
     between the two of ``errors[i]``, in units of the sum. They are sums, over all operands that

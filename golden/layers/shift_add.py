@@ -306,13 +306,6 @@ def _merged(graph: ShiftAdd, place: int, operand: int) -> Sum:
     return Sum(tuple(sorted(found, key=lambda one: (one.shift, one.node, one.sign))))
 
 
-def saving_of(graph: ShiftAdd, place: int, operand: int) -> int:
-    """Bits of adders that are saved if the sum at ``place`` takes in an operand."""
-    merged, low = _merged(graph, place, operand), graph.lows[place]
-    bits = graph.widths[place] - beside(merged, steps_of(merged, graph.lows, low))
-    return graph.bits(place) + graph.bits(operand) - bits
-
-
 def _choice(graph: ShiftAdd) -> dict[int, int]:
     """For each sum that takes in an operand, that operand."""
     users: dict[int, list[int]] = defaultdict(list)
@@ -326,7 +319,10 @@ def _choice(graph: ShiftAdd) -> dict[int, int]:
     for place in graph.sums:
         if len(users[place]) == 1:
             (user,) = users[place]
-            inner[user].append((place, saving_of(graph, user, place)))
+            merged = _merged(graph, user, place)
+            steps = steps_of(merged, graph.lows, graph.lows[user])
+            bits = graph.widths[user] - beside(merged, steps)
+            inner[user].append((place, graph.bits(user) + graph.bits(place) - bits))
     # The most that can be saved in the tree below a node, if it takes in none, and in any case.
     alone, best, chosen = [0] * len(graph.nodes), [0] * len(graph.nodes), {}
     for place in range(len(graph.nodes)):

@@ -56,11 +56,9 @@ def arrange(
     if arrangement not in design.arrangements:
         raise InputError(f"{arrangement}: got networks {design.block}, expected a design for it")
     networks = [design.of([one], settings, variant=str(i)) for i, one in enumerate(trained)]
-    return Cascade(tuple(networks)) if arrangement == "cascade" else beside(networks)
-
-
-def beside(networks: Sequence[Design]) -> Multiple:
-    """Independent networks, each of which takes the frames that the slowest takes."""
-    # One result a clock leaves; a cascade's frames are longer than that in any case.
+    if arrangement == "cascade":
+        return Cascade(tuple(networks))
+    # Each takes the frames that the slowest takes. One result a clock leaves; a cascade's frames
+    # are longer than that in any case.
     slowest = max(len(networks), *(network.interval for network in networks))
     return Multiple(tuple(replace(n, min_interval=slowest) for n in networks))
