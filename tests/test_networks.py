@@ -156,7 +156,7 @@ def test_an_activation_refuses_what_its_tables_are_not_made_for() -> None:
     bipartite, precise = (made(EXACT, 1, 1 << 17) for made in (bipartite_for, precise_for))
     with pytest.raises(InputError, match=r": got in_fmt=Fix\(14,13\) .* 14 fraction bits and"):
         replace(bipartite, in_fmt=SIGNAL)
-    with pytest.raises(InputError, match=": got .*='flash', expected one of logic, block_ram"):
+    with pytest.raises(InputError, match=r": got .*='flash', expected one of logic, block_ram"):
         replace(precise, coefficients="flash")
 
 
