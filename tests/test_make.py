@@ -312,9 +312,7 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
         found = shutil.which(program)
         if found:
             (tmp_path / program).symlink_to(found)
-    words = [
-        *(*CALL, "tactus.verify.sim", "digit-single", "--block", "hybrid", "--sim"),
-    ]
+    words = [*CALL, "tactus.verify.sim", "digit-single", "--block", "hybrid", "--sim"]
     for simulator, package in (("ghdl", "ghdl"), ("icarus", "iverilog")):
         result = run(*words, simulator, PATH=str(tmp_path))
         assert result.returncode == 2

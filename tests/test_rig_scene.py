@@ -11,7 +11,6 @@ from shared import CALL, run
 
 from golden.input_error import InputError
 from golden.trained.dense import mlp_of, network_of
-from golden.trained.function import Function
 from tactus.core.finding import OK, WARNING
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.network_files.network_file import save_network, save_networks, write_network
@@ -33,7 +32,6 @@ from tactus.train.split import scaled, split_of, split_rows
 from tb.common.cases import random_mlp, random_network
 
 ROOT = Path(__file__).parents[1]
-BELL = Function("bell", "exp(-x * x)")
 RNG = np.random.default_rng(3)
 PLACE = RNG.uniform(0.1, 0.9, 60)
 FORCE = RNG.choice([0.2, 0.4, 0.6], 60)
@@ -61,12 +59,11 @@ def text_of(table: dict[str, object], sign: str = ",", point: str = ".") -> str:
 NETWORKS = {
     "tanh.npz": random_network((3, 4, 2), ("tanh",), 1.0, 1),
     "relu.onnx": random_network((3, 6, 4, 2), ("relu", "sigmoid"), 1.0, 1),
-    "bell.npz": random_network((3, 4, 2), ("table:bell",), 1.0, 1, functions=(BELL,)),
 }
 
 
 @pytest.mark.parametrize("times", [1, 20])
-@pytest.mark.parametrize("name", ["tanh.npz", "relu.onnx"])
+@pytest.mark.parametrize("name", NETWORKS)
 def test_a_scene_for_a_network_from_elsewhere(tmp_path: Path, name: str, times: int) -> None:
     """It computes what the file does, whatever the range of the readings."""
     network, file = NETWORKS[name], tmp_path / "nets" / name
@@ -102,10 +99,6 @@ def look(folder: Path, outputs: str = "force,place", **changed: object) -> Surve
     path = folder / "rig.csv"
     path.write_text(text_of(TABLE | changed), encoding="utf-8")
     return survey(read_csv_file(path), names_of(outputs))
-
-
-def texts(found: Survey) -> str:
-    return "\n".join(map(str, found.findings))
 
 
 def halves() -> dict[str, object]:
