@@ -440,9 +440,11 @@ sys.exit(run(main))
 
 
 @contextmanager
-def started(*command: str, folder: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
+def started(
+    *command: str, folder: Path = ROOT, **variables: str
+) -> Iterator[subprocess.Popen[str]]:
     """A command in a session of its own, all of which is killed at the end."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | variables
     with subprocess.Popen(
         command,
         cwd=folder,
@@ -599,34 +601,16 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
 def test_commands_wait_for_others_on_the_same_folder(tmp_path: Path, words: str) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
     name = CASES_OF["abs_unit"][0] if "--block" in words else "same"
-    with (
-        held([tmp_path / "build" / name]),
-        subprocess.Popen(
-            [*CALL, *words.split()],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(ROOT), VARIABLE: ""},
-            stdout=subprocess.PIPE,
-            text=True,
-        ) as command,
-    ):
-        try:
-            assert any("waiting for another command" in line for line in command.stdout)
-        finally:
-            command.kill()
+    given = {"folder": tmp_path, VARIABLE: ""}
+    with held([tmp_path / "build" / name]), started(*CALL, *words.split(), **given) as command:
+        assert any("waiting for another command" in line for line in command.stdout)
 
 
 def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
-    searches = [
-        subprocess.Popen(
-            [*CALL, "tactus.cli.train", "same.toml", "--workers=1"],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(ROOT)},
-            stdout=subprocess.DEVNULL,
-        )
-        for _ in range(2)
-    ]
-    assert [search.wait() for search in searches] == [0, 0]
+    words = (*CALL, "tactus.cli.train", "same.toml", "--workers=1")
+    with started(*words, folder=tmp_path) as first, started(*words, folder=tmp_path) as second:
+        assert (first.wait(LIMIT), second.wait(LIMIT)) == (0, 0)
     (record,) = tmp_path.glob("build/store/training/*/0.jsonl")
     lines = record.read_text().splitlines()
     assert len(lines) == len(set(lines)) > 0

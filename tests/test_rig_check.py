@@ -254,16 +254,15 @@ def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
     return states[far.argmin(axis=0)]
 
 
-def learnt_from(states: np.ndarray, held: np.ndarray, **more: int) -> TrainedOn:
+def learnt_from(states: np.ndarray, held: np.ndarray, known: int) -> TrainedOn:
     names, outputs = ("force", "place"), estimates(held)
     ends = states.min(axis=0), states.max(axis=0)
-    known = more.get("stretches", len(held))
     return learnt(names, touch(states, 1), states, held, outputs, np.full(4, 1e-4), ends, known)
 
 
 @pytest.fixture(scope="module")
 def known() -> TrainedOn:
-    return learnt_from(drawn(120, 1), touch(drawn(120, 2), 2))
+    return learnt_from(drawn(120, 1), touch(drawn(120, 2), 2), 120)
 
 
 def reasons(known: TrainedOn, readings: np.ndarray, outputs: np.ndarray) -> list[str]:
@@ -294,10 +293,10 @@ def test_an_output_beyond_its_range_is_outside(known: TrainedOn) -> None:
 def test_the_limit_is_that_of_the_held_out_rows() -> None:
     """Of 250 held-out rows one is farther away, and of 20 rows none is."""
     held = touch(drawn(250, 2), 2)
-    many = learnt_from(drawn(120, 1), held)
+    many = learnt_from(drawn(120, 1), held, 250)
     assert (many.distances(held, estimates(held)) > 1).sum() == 1
     assert many.one_in == 100
-    few = learnt_from(drawn(40, 1), held[:20], stretches=3)
+    few = learnt_from(drawn(40, 1), held[:20], 3)
     assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
     assert few.one_in == 4
 

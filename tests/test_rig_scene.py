@@ -18,7 +18,6 @@ from tactus.report.measure.outcome import telling
 from tactus.rig.draft import brought, draft, names_of, write_scene
 from tactus.rig.sensors_tell import (
     Recording,
-    Telling,
     findings,
     measured,
     missed_by_networks,
@@ -307,18 +306,6 @@ def test_sensors_that_each_tell_a_little_are_not_taken_out_together(count: int) 
         assert 0 < len(found.together) < len(found.nothing) < count
 
 
-def with_noise(scene: Scene, seed: int) -> Telling:
-    recording = recording_of(scene)
-    more = Recording(
-        np.column_stack([recording.readings, noise(seed, len(recording.readings))]),
-        recording.targets,
-        recording.scale,
-        (*recording.sensors, "dead"),
-        recording.outputs,
-    )
-    return measured(more, split_of(scene))
-
-
 @pytest.mark.parametrize("name", ["digit", "digit-load", "swing-single"])
 def test_of_the_shipped_scenes_no_sensor_is_named_but_one_of_noise(name: str) -> None:
     scene = load_scene(name)
@@ -326,7 +313,10 @@ def test_of_the_shipped_scenes_no_sensor_is_named_but_one_of_noise(name: str) ->
     assert found
     assert not found.nothing
     assert min(found.follows.values()) > 0.9
-    assert with_noise(scene, 1).nothing == ["dead"]
+    own = recording_of(scene)
+    columns = np.column_stack([own.readings, noise(1, len(own.readings))])
+    more = replace(own, readings=columns, sensors=(*own.sensors, "dead"))
+    assert measured(more, split_of(scene)).nothing == ["dead"]
 
 
 def test_a_sensor_that_corrects_others_is_not_named(tmp_path: Path) -> None:

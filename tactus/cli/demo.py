@@ -4,9 +4,8 @@ Every block of a scene is simulated under GHDL and Icarus on the exported files,
 its twin. Then the errors on the recorded vectors are printed, with the clocks and the speed of the
 simulators. Without a scene the default scenes are run, and a table shows them beside the thesis. If
 entities of one block differ only in their constants, one of them has a simulation of its own, and
-all are simulated within their networks; see ``tactus.verify.benches.results.chosen``. ``--full``
-simulates each by itself. A bench that has passed and has not changed since is not run again, even
-if an earlier demo was interrupted.
+all are simulated within their networks; see ``tactus.verify.benches.results.chosen``. A bench that
+has passed and has not changed since is not run again, even if an earlier demo was interrupted.
 """
 
 import textwrap
@@ -34,18 +33,13 @@ from tactus.verify.every_frame.verdict import DIFFERS, PROVED, SAID
 from tactus.verify.prove import proof_line
 
 
-def twin_speed(scene: Scene) -> float:
-    """How many frames per second the bit-true numpy twin computes on one core."""
-    design = scene.twin().core
-    codes = np.tile(scene.vectors().codes, (200, 1))
+def speeds(scene: Scene, results: dict[str, Any]) -> str:
+    """The frames a second of each simulator, and of the bit-true numpy twin on one core."""
+    simulated = (f"{s} {f['frames'] / f['seconds']:,.3g}" for s, f in results["facts"].items())
+    design, codes = scene.twin().core, np.tile(scene.vectors().codes, (200, 1))
     started = time.perf_counter()
     design.process(codes)
-    return len(codes) / (time.perf_counter() - started)
-
-
-def speeds(scene: Scene, results: dict[str, Any]) -> str:
-    simulated = (f"{s} {f['frames'] / f['seconds']:,.3g}" for s, f in results["facts"].items())
-    twin = f"numpy twin {twin_speed(scene):,.0f}"
+    twin = f"numpy twin {len(codes) / (time.perf_counter() - started):,.0f}"
     return f"frames a second, simulated: {', '.join([*simulated, twin])}"
 
 

@@ -87,7 +87,12 @@ def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-    return [*tables(graph, program), *lines, "", *path_text(shared, program.pipeline)]
+    clock, names = critical_path(shared, program.pipeline)
+    path = (
+        f"No order of these steps gives the last output before clock {clock}, because each of "
+        "these needs the one before:"
+    )
+    return [*tables(graph, program), *lines, "", path, *(f"  {name}" for name in names)]
 
 
 def critical_path(shared: LaneGraph, pipeline: Pipeline) -> tuple[int, list[str]]:
@@ -113,16 +118,6 @@ def critical_path(shared: LaneGraph, pipeline: Pipeline) -> tuple[int, list[str]
         names.append(graph.neurons[at].name)
         at = before[at]
     return clock, names[::-1]
-
-
-def path_text(shared: LaneGraph, pipeline: Pipeline) -> list[str]:
-    """What bounds the clocks of a frame, as lines of text."""
-    clock, names = critical_path(shared, pipeline)
-    return [
-        f"No order of these steps gives the last output before clock {clock}, because each of "
-        "these needs the one before:",
-        *(f"  {name}" for name in names),
-    ]
 
 
 def tables(graph: Graph, program: LaneProgram) -> list[str]:

@@ -131,7 +131,7 @@ def propose(scene: Scene, stated: list[float], expected: Expected) -> None:
     print("\nplacements, each the one that lowers the error expected over the recording most; root")
     print("mean squares in % that are expected after a correction with it and those above it:")
     nothing = planned(recorded, np.eye(2 * len(scene.sensors)))
-    print(f"{'':4}{_heads(scene)}")
+    print(f"{'':4}{''.join(f'{name:>12}' for name in scene.outputs)}")
     print(f"{'':4}{_cells(nothing.before)}  no correction")
     for count, one in enumerate(islice(proposed(recorded, times), max(PROPOSED, least)), start=1):
         where = placement(scene, recorded.recorded.targets[one.row])
@@ -146,10 +146,6 @@ def propose(scene: Scene, stated: list[float], expected: Expected) -> None:
         "Read the sensors there and give the rows as CSV= with the columns of the scene, and with a"
     )
     print(f"column {COLUMN!r} that has the same number in all rows of one placement.")
-
-
-def _heads(scene: Scene) -> str:
-    return "".join(f"{name:>12}" for name in scene.outputs)
 
 
 def _cells(values: Real) -> str:

@@ -251,13 +251,6 @@ def decision_columns(scene: Scene) -> list[str]:
     return [f"{scene.classes}_predicted" if scene.labels else LARGEST, LEAD]
 
 
-def result_columns(scene: Scene) -> list[str]:
-    """The names of the columns of results: an output each, or the class and its margin."""
-    if scene.labels:
-        return decision_columns(scene)
-    return [f"{name}_predicted" for name in scene.outputs]
-
-
 def result_texts(scene: Scene, found: Prediction) -> list[list[str]]:
     """What stands in the columns of results, row by row.
 
@@ -279,7 +272,8 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
 
     A row without a complete past has no outputs and no distance, and is marked as outside.
     """
-    columns = result_columns(scene)
+    outputs = [f"{name}_predicted" for name in scene.outputs]
+    columns = decision_columns(scene) if scene.labels else outputs
     added = [*columns, *CLOSING]
     for name in added:
         if name in recording.names:

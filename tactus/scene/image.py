@@ -44,11 +44,6 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
 _DIGITS = WORD_WIDTH // 4
 
 
-def hex_text(image: Image) -> str:
-    """The whole memory, one word per line, as ``$readmemh`` reads it."""
-    return "".join(f"{word:0{_DIGITS}x}\n" for word in image.contents)
-
-
 def mem_text(image: Image, name: str) -> str:
     """Address, word and meaning of every word, up to the last word that is used."""
     lines = [
@@ -62,7 +57,9 @@ def mem_text(image: Image, name: str) -> str:
 def write_image(image: Image, name: str, folder: Path) -> None:
     """Write ``<name>.hex``, ``.mem`` and ``.bin`` into ``folder``, replacing it as a whole."""
     with replace_folder(folder) as temporary:
-        (temporary / f"{name}.hex").write_text(hex_text(image), encoding="utf-8")
+        # The whole memory, one word per line, as $readmemh reads it.
+        contents = "".join(f"{word:0{_DIGITS}x}\n" for word in image.contents)
+        (temporary / f"{name}.hex").write_text(contents, encoding="utf-8")
         (temporary / f"{name}.mem").write_text(mem_text(image, name), encoding="utf-8")
         (temporary / f"{name}.bin").write_bytes(image.to_bytes())
 
