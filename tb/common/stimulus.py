@@ -129,26 +129,6 @@ def _about(
     return [frame for frame in frames if frame is not None]
 
 
-def border_frames(
-    rng: np.random.Generator,
-    layer: WeightedSum,
-    rows: Sequence[Sequence[int]],
-    biases: Sequence[int],
-    factors: Sequence[int] | None = None,
-) -> np.ndarray:
-    """Frames whose exact sums lie just at the borders where results of a layer saturate."""
-    found = []
-    chosen = [1] * len(rows) if factors is None else factors
-    for row, bias, factor in zip(rows, biases, chosen, strict=True):
-        for border in layer.borders_of("sum", row, bias, factor):
-            if border.unreachable:
-                continue
-            # First the samples that the twin has found, then others.
-            found += list(beside(layer, tuple(row), bias, border.at))
-            found += _about(layer, row, bias, border.at, 2, rng)
-    return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
-
-
 def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Frames in the order of time, from which a network takes ``rows``, shape (rows, taps).
 
@@ -161,7 +141,7 @@ def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.
     return frames.reshape(-1, len(window.delays))
 
 
-def rounding_frames(
+def frames_of_layer(
     rng: np.random.Generator,
     layer: WeightedSum,
     rows: Sequence[Sequence[int]],
@@ -169,21 +149,29 @@ def rounding_frames(
     factors: Sequence[int] | None = None,
     count: int = 20,
 ) -> np.ndarray:
-    """Frames whose exact sums are the last that round to one result, or the first to round to the
-    next.
+    """Frames at corners, and at the ends, the borders and the roundings of each sum of a layer.
 
-    There an error in the least bit of a sum changes the result, and hardly anywhere else. The
-    results are random ones, and those that differ in one bit from the largest or the least.
+    Exact sums lie just at the borders where results saturate. Others are the last that round to one
+    result, or the first to round to the next: there an error in the least bit of a sum changes the
+    result, and hardly anywhere else. These results are random ones, and those that differ in one
+    bit from the largest or the least.
 
     count: The number of random results for each row of weights.
     """
-    fmt, shift = layer.out_fmt, layer.out_shift
-    weights = np.array(rows)
-    chosen = np.ones(len(rows), dtype=np.int64) if factors is None else np.array(factors)
+    fmt, shift, weights = layer.out_fmt, layer.out_shift, np.array(rows)
+    chosen = [1] * len(rows) if factors is None else factors
+    found = [*corner_frames(layer.in_fmt, len(rows[0])), *extreme_frames(layer.in_fmt, weights)]
+    for row, bias, factor in zip(rows, biases, chosen, strict=True):
+        for border in layer.borders_of("sum", row, bias, factor):
+            if not border.unreachable:
+                # First the samples that the twin has found, then others.
+                found += list(beside(layer, tuple(row), bias, border.at))
+                found += _about(layer, row, bias, border.at, 2, rng)
+
     starts = np.array(biases) << layer.bias_shift
     ends = (weights[..., np.newaxis] * [layer.in_fmt.low, layer.in_fmt.high]) >> layer.product_shift
     low, high = (
-        np.clip(((starts + side.sum(axis=1)) * chosen) >> shift, fmt.low, fmt.high)
+        np.clip(((starts + side.sum(axis=1)) * np.array(chosen)) >> shift, fmt.low, fmt.high)
         for side in (ends.min(axis=2), ends.max(axis=2))
     )
     pairs = [
@@ -195,25 +183,7 @@ def rounding_frames(
         for result in end ^ (1 << np.arange(fmt.width - 1)):
             able = np.flatnonzero((low <= result) & (result <= high))
             pairs += [(int(row), int(result)) for row in able[:1]]
-    found = []
-    for row, result in pairs:
-        at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[row]))
-        found += _about(layer, rows[row], int(biases[row]), at, 1, rng)
-    return np.array(found, dtype=np.int64).reshape(-1, len(rows[0]))
-
-
-def frames_of_layer(
-    rng: np.random.Generator,
-    layer: WeightedSum,
-    rows: Sequence[Sequence[int]],
-    biases: Sequence[int],
-    factors: Sequence[int] | None = None,
-) -> np.ndarray:
-    """Frames at corners, and at the ends, the borders and the roundings of each sum of a layer."""
-    found = [
-        corner_frames(layer.in_fmt, len(rows[0])),
-        extreme_frames(layer.in_fmt, np.array(rows)),
-    ]
-    found.append(border_frames(rng, layer, rows, biases, factors))
-    found.append(rounding_frames(rng, layer, rows, biases, factors))
-    return np.concatenate(found)
+    for at_row, result in pairs:
+        at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[at_row]))
+        found += _about(layer, rows[at_row], int(biases[at_row]), at, 1, rng)
+    return np.array(found, dtype=np.int64)

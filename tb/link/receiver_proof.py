@@ -8,7 +8,6 @@ from tb.common.watch import check_byte, since
 
 
 def image_receiver(twin):
-    """The properties of the part, which say all that it does."""
     depth, idle = twin.depth, twin.idle_clocks
     queue = {
         "While the engine computes, no more bytes come than are kept, as is proved of "
@@ -167,7 +166,6 @@ def names(depth):
 
 
 def lesson_receiver(twin):
-    """The properties of the part, which say all that it does."""
     return [
         only_right_packets(twin),
         the_check(twin),

@@ -168,7 +168,6 @@ def whole_updates():
 
 
 def operand_memory(twin):
-    """The properties of the part, which say all that it does."""
     late, width = twin.latency, twin.addr_width
     return [
         Property(
@@ -213,7 +212,6 @@ def operand_memory(twin):
 
 
 def operand_select(twin):
-    """The properties of the part, which say all that it does."""
     one, span = 1 << DROPPED, 1 << twin.segment_width
     late = twin.latency
     return [
@@ -246,7 +244,6 @@ def operand_select(twin):
 
 
 def multiply_accumulate(twin):
-    """The properties of the part, which say all that it does."""
     half = 1 << (DROPPED - 1)
     half_output = half << OUTPUT_SHIFT
     least, largest = WORD.low * WORD.high, WORD.low * WORD.low
@@ -332,7 +329,6 @@ def multiply_accumulate(twin):
 
 
 def table_address(twin):
-    """The properties of the part, which say all that it does."""
     span, last = 1 << twin.segment_width, twin.segments - 1
     return [
         Property(
@@ -360,7 +356,6 @@ def table_address(twin):
 
 
 def round_saturate(twin):
-    """The properties of the part, which say all that it does."""
     low, high = WORD.low, WORD.high
     return [
         Property(

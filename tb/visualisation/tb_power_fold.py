@@ -49,19 +49,16 @@ def properties(twin):
                 "whole_rounded == $signed(requantise1_rounded)",
                 "whole_kept == kept",
                 "whole_first == first",
-                "!out_valid || uses == 0",
+                "!out_valid || !right || uses == 0",
             ),
-            assumes={
-                f"P is from 1 to {most + 1}.": "!in_valid || "
-                f"(in_power >= 1 && in_power <= {most + 1})"
-            },
             watch=f"""
                 // Clocks since the last in_valid; 255 where a reset came since or very many have.
                 reg [7:0] age = 255;
-                reg seen = 0;
+                // Whether the last P, if one came since a reset, was from 1 to the largest one.
+                reg right = 0;
                 always @(posedge clk) begin
                     age <= rst ? 255 : in_valid ? 0 : age == 255 ? 255 : age + 1;
-                    seen <= rst ? 0 : seen || in_valid;
+                    right <= !rst && (in_valid ? in_power >= 1 && in_power <= {most + 1} : right);
                 end
                 wire signed [63:0] whole_rounded = $signed({{30'b0, product}})
                     + 64'sd{(1 << twin.in_frac) >> 1};
@@ -75,15 +72,14 @@ def properties(twin):
             """,
             helps=(
                 f"remaining == (age < {late - 1} ? {late - 1} - age : 0)",
-                f"!seen || uses <= {most}",
-                "remaining == 0 || seen",
-                "!out_valid || (seen && remaining == 0)",
-                "remaining == 0 || 2 * uses <= remaining + remaining[0]",
-                "remaining != 0 || !seen || uses == 0",
+                f"!right || uses <= {most}",
+                "!out_valid || remaining == 0",
+                "!right || remaining == 0 || 2 * uses <= remaining + remaining[0]",
+                "!right || remaining != 0 || uses == 0",
             ),
             # The output of the multiplier is free: this holds for every product that fits.
             free=("product",),
-            reached=("out_valid",),
+            reached=("out_valid && right",),
             refuted_by=(
                 (r"remaining <= 10", "remaining <= 11"),
                 (r"&& \(!in_valid\)\)", ")"),
