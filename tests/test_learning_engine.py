@@ -103,6 +103,10 @@ def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
     # From there it learns on, until a difference in the lowest bit of a step can be read.
     desk.play([], learn=1, clocks=20 * twin.longest_equation)
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
+    # Words of both kinds in one stream, whose length is neither's.
+    for count, kind in ((3, 1), (9, 0)):
+        desk.play([], [(1, 500, 0)] * count, theta=kind)
+    desk.play([], [(1, 500, 1)], clocks=60)
     desk.clock(0, 0, 0, 0, 0, 0, 0, 0, 1)
     desk.play(frame, learn=1, clocks=twin.interval + 2 * twin.inputs + 3)
     assert not desk.timeline.pupil.theta.any()

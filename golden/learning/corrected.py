@@ -39,7 +39,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -129,25 +128,14 @@ class Corrected:
 
         Where C does not fit in 18 bits, it is two weights of a program.
         """
-        return [
-            (
-                Fix(19, SLOPE.frac).quantise(products.sum(axis=0))[0],
-                Fix(18, _OF_SQUARE).quantise(products)[0],
-            )
-            for products in self._products
-        ]
-
-    @property
-    def _products(self) -> list[Real]:
-        """w2 w1 of the sensors for each network, exact, shape (nodes, sensors)."""
         frac = coeff_frac(RESULT, RESULT) + coeff_frac(HIDDEN, SAMPLE)
         found = []
-        for hidden, last in ((one.layers[0], one.layers[1]) for one in self.networks):
-            rows = [
-                [Fraction(second * first, 1 << frac) for first in row[: self.sensors]]
-                for second, row in zip(last.weights[0], hidden.weights, strict=True)
-            ]
-            found.append(np.array(rows, dtype=np.float64))
+        for hidden, last in (network.layers for network in self.networks):
+            # A product of two words has fewer bits than a float, so it is exact.
+            first = np.array(hidden.weights, dtype=np.float64)[:, : self.sensors]
+            products = np.array(last.weights, dtype=np.float64).T * first / 2.0**frac
+            of_one = Fix(19, SLOPE.frac).quantise(products.sum(axis=0))[0]
+            found.append((of_one, Fix(18, _OF_SQUARE).quantise(products)[0]))
         return found
 
     def corrections(self, codes: Codes) -> tuple[Real, Real]:

@@ -95,20 +95,12 @@ class Places:
     @cached_property
     def samples(self) -> int:
         """The address of the first sample, of which the lowest bits are 0."""
-        return self._incoming[0]
+        return self.targets - (1 << self.sample_width)
 
     @cached_property
     def targets(self) -> int:
-        """The address of the first known output, as it comes in."""
-        return self._incoming[1]
-
-    @property
-    def _incoming(self) -> tuple[int, int]:
-        """Both addresses: the wider number stands at the end of the quarter, the other before."""
-        quarter, widths = 1 << (self.addr_width - 2), (self.sample_width, self.target_width)
-        last = quarter - (1 << max(widths))
-        before = last - (1 << min(widths))
-        return (last, before) if widths[0] > widths[1] else (before, last)
+        """The address of the first known output, as it comes in; its number has more bits."""
+        return (1 << (self.addr_width - 2)) - (1 << self.target_width)
 
     @property
     def theta(self) -> int:

@@ -178,7 +178,7 @@ class Timeline:
         length = places.unknowns if self.putting else places.outputs
         number, done = self.known.take(taken, last, refused, length)
         self.met["targets refused"] += self.known.raised
-        if number >= 0:
+        if 0 <= number < length:
             self.targets[number] = code
         if done:
             self.keep = self._part(t, KEEP)
