@@ -166,7 +166,8 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
             rows.setdefault(count, []).append(result)
         assert {count: len(found) for count, found in rows.items()} == {10: 10, 20: 5, 30: 3}
         better = sorted(rows[10], key=lambda result: result.rank)[:5]
-        assert [one.layers for one in rows[20]] == [one.layers for one in better]
+        went_on = [(one.layers, one.restart) for one in rows[20]]
+        assert went_on == [(one.layers, one.restart) for one in better]
         story = read_provenance(tmp_path / name)
         best = min(rows[30], key=lambda result: result.rank)
         assert abs(story["validation_rms_percent"] - best.validation) < 1e-3

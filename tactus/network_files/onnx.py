@@ -274,7 +274,8 @@ def _folded(chain: _Chain, constants: dict[str, Any], versions: dict[str, int]) 
         raise chain.refuse(f"not supported: {RANDOM}")
     if node.op_type in ("ConstantOfShape", "Expand", "Tile"):
         # The last input has the sizes, or by what they are multiplied.
-        size = math.prod(np.ravel(taken[node.input[-1]]).tolist())
+        *_, (name, sizes) = taken.items()
+        size = math.prod(real_numbers(chain.path, name, sizes).ravel().tolist())
         if size > MOST_NUMBERS:
             raise chain.refuse(f"makes {size:g} numbers, expected {MOST_NUMBERS:g} at most")
     try:
