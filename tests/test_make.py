@@ -52,12 +52,8 @@ BEGIN = "a call"
 
 
 def environment(folder: Path, venv: str = "venv", instead: str = "") -> Path:
-    """A virtual environment that seems ready, whose python only logs its arguments.
-
-    Or it does what the text of a shell says, instead.
-
-    For the arguments of ``tactus.cli.commands`` it does what the real one does.
-    """
+    """A virtual environment that seems ready, whose python only logs its arguments, or does what
+    the text of a shell says ``instead``. ``tactus.cli.commands`` it runs as the real one does."""
     python = folder / venv / "bin" / "python"
     python.parent.mkdir(parents=True)
     log = folder / "arguments"
@@ -545,11 +541,10 @@ WAITS = "from tactus.core.hold import held; import sys; from pathlib import Path
 WAITS += "with held([Path(sys.argv[1])]): print('has it', flush=True); sys.stdin.read()"
 
 
-def waiting(folder: Path, **variables: str) -> subprocess.Popen[str]:
+def waiting(folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-c", WAITS, str(folder)],
         cwd=ROOT,
-        env=os.environ | variables,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

@@ -100,20 +100,14 @@ def test_what_was_held_out_as_a_whole_is_drawn_as_a_whole(
     assert tuple(row[4:]) == found.interval(digit.errors[held, 0], members)
 
 
-def scene_with(readings: list[float], folder: Path) -> Scene:
-    """The scene digit-load with these readings of the first sensor in the first rows."""
+def test_readings_outside_the_range_are_counted_per_sensor(tmp_path: Path) -> None:
     scene = load_scene("digit-load")
     header, *lines = scene.data_path.read_text().splitlines()
-    for n, reading in enumerate(readings):
+    for n, reading in enumerate([1.5, -1.2, 1.2, 1.5]):
         lines[n] = f"{reading}," + lines[n].partition(",")[2]
-    path = folder / "readings.csv"
+    path = tmp_path / "readings.csv"
     path.write_text("\n".join([header, *lines]) + "\n")
-    return replace(scene, data_paths=(path,))
-
-
-def test_readings_outside_the_range_are_counted_per_sensor(tmp_path: Path) -> None:
-    table = sensors(outcome(scene_with([1.5, -1.2, 1.2, 1.5], tmp_path)))
-    first, *others = table.rows
+    first, *others = sensors(outcome(replace(scene, data_paths=(path,)))).rows
     assert first[:6] == ["sensor1", -1.2, 1.5, -1.0, 8191 / 8192, 4]
     assert first[6] == pytest.approx(100 * 4 / 143)
     assert first[7] == 3

@@ -54,7 +54,9 @@ def nearness(scene: Scene, random: Codes) -> dict[str, Any]:
         for n, name in enumerate(scene.outputs)
     ]
     note = f"Of {len(codes)} frames. Floating point saturates where the hardware does."
-    sentences = [] if limits is None else _decisions(scene, exact[: len(recorded)], limits)
+    sentences = []
+    if scene.labels and limits is not None:
+        sentences.append(_decided_alike(exact[: len(recorded)], limits))
     if scene.labels:
         sentences.append(f"Decisions on recorded rows: {decisions_of(scene).text}.")
     return {
@@ -91,19 +93,17 @@ def _bounds(scene: Scene, design: Block) -> Real | None:
     )
 
 
-def _decisions(scene: Scene, real: Real, limits: Real) -> list[str]:
+def _decided_alike(real: Real, limits: Real) -> str:
     """How many decisions the bound proves to be those of floating point."""
-    if not scene.labels:
-        return []
     first = real.argmax(axis=1)
     rows = np.arange(len(real))
     ahead = real[rows, first][:, None] - real - limits - limits[first][:, None]
     ahead[rows, first] = np.inf
     proved = int((ahead > 0).all(axis=1).sum())
-    return [
+    return (
         f"The bound proves that hardware and floating point decide alike in {proved} of "
         f"{len(real)} recorded rows; in the other {len(real) - proved} it does not."
-    ]
+    )
 
 
 def _saturations(scene: Scene, random: Codes) -> list[str]:

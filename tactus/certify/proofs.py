@@ -86,7 +86,8 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
             formulas += formula_script(
                 item, job.entity, f"output/properties/{name}.sv", f"output/properties/{name}.smt2"
             )
-            text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
+            inputs = {port.name for port in job.twin.ports if port.direction == "in"}
+            text = item.added(clocked="clk" in inputs, reset="rst" in inputs)
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
             # The expressions that must hold, which Yosys counts from 0.
             asserted = len(item.states) + len(item.helps)
@@ -111,12 +112,8 @@ def _depths(item: Property) -> list[int]:
     return sorted({0, item.induction, *(n for n in doubled if n < item.induction)})
 
 
-def _inputs(job: Job) -> set[str]:
-    return {port.name for port in job.twin.ports if port.direction == "in"}
-
-
 NETWORK, REFUSED = "network.json", "refused.txt"
-_PROVER = ("tactus", "verify", "every_frame", "verdict")
+_PACKAGES = ["tactus", "tactus.verify", "tactus.verify.every_frame"]
 PROVER = '''"""Runs the prover beside this file: prover.py network.json netlist.json."""
 
 import sys
@@ -138,8 +135,7 @@ def write_every_frame(scene: Scene, folder: Path) -> None:
         return
     (place / NETWORK).write_text(text, encoding="utf-8")
     (place / "prover.py").write_text(PROVER, encoding="utf-8")
-    packages = [".".join(_PROVER[:n]) for n in range(1, len(_PROVER))]
-    for module in closure([".".join(_PROVER), *packages]).values():
+    for module in closure([f"{_PACKAGES[-1]}.verdict", *_PACKAGES]).values():
         target = place / module.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(module, target)
@@ -149,17 +145,11 @@ def readable(given: dict[str, Any]) -> str:
     """The network as JSON: a line for each table, and one with its number for each word."""
     numbered = [{"word": given["samples"] + n, **word} for n, word in enumerate(given["words"])]
     many = {
-        "tables": (
-            "{",
-            [f"{json.dumps(k)}: {json.dumps(v)}" for k, v in given["tables"].items()],
-            "}",
-        ),
-        "words": ("[", [json.dumps(word) for word in numbered], "]"),
+        "tables": [f"{json.dumps(k)}: {json.dumps(v)}" for k, v in given["tables"].items()],
+        "words": [json.dumps(word) for word in numbered],
     }
     entries = []
     for key, value in given.items():
-        start, lines, end = many.get(key, ("", [], ""))
-        rows = ",\n  ".join(lines)
-        text = f"{start}\n  {rows}\n {end}" if lines else json.dumps(value)
-        entries.append(f'"{key}": {text}')
+        text, rows = json.dumps(value), ",\n  ".join(many.get(key, []))
+        entries.append(f'"{key}": ' + (f"{text[0]}\n  {rows}\n {text[-1]}" if rows else text))
     return "{\n " + ",\n ".join(entries) + "\n}\n"

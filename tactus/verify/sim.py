@@ -23,12 +23,7 @@ from tactus.verify.benches.collected import CASES_OF, case_scene
 from tactus.verify.benches.results import run_and_keep
 from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_shown
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
-from tactus.verify.sign_off.netlist import (
-    chosen,
-    mapped,
-    on_cells_of,
-    record,
-)
+from tactus.verify.sign_off.netlist import chosen, mapped, on_cells_of, record
 from tactus.verify.sign_off.record import RUNS_IN, case_line, chosen_blocks
 
 
@@ -87,13 +82,9 @@ def simulate(
     jobs: list[Job] = []
     for scene in found:
         with stage(f"{scene.name}: exporting, and compiling"):
+            frames = arguments.frames or FRAMES
             planned = [
-                replace(
-                    job,
-                    seed=arguments.seed,
-                    waves=arguments.waves,
-                    frames=arguments.frames or FRAMES,
-                )
+                replace(job, seed=arguments.seed, waves=arguments.waves, frames=frames)
                 for job in plan(scene, simulators, arguments.block)
             ]
             jobs += on_cells_of(scene.twin(), planned, families) if families else planned

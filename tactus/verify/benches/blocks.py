@@ -7,11 +7,9 @@ from golden.input_error import InputError, suggest
 from tactus.core.fingerprint import ROOT
 from tactus.scene import Scene
 
-TB = ROOT / "tb"
-
 
 def block_names() -> list[str]:
-    return sorted(path.stem.removeprefix("tb_") for path in TB.glob("*/tb_*.py"))
+    return sorted(path.stem.removeprefix("tb_") for path in ROOT.glob("tb/*/tb_*.py"))
 
 
 def check_block(scene: Scene, block: str | None) -> None:

@@ -28,17 +28,12 @@ CASES_OF: dict[str, list[str]] = {
 }
 
 
-def every_case() -> dict[str, Case]:
-    """All cases by name. If two benches use a name, it must be for the same case."""
-    found: dict[str, Case] = {}
-    for block, bench in BENCHES.items():
-        for name, case in getattr(bench, "CASES", {}).items():
-            if found.setdefault(name, case) != case:
-                raise ValueError(f"tb_{block}.py: CASES: {name} is another case elsewhere")
-    return found
-
-
-CASES = every_case()
+# All cases by name. If two benches use a name, it must be for the same case.
+CASES: dict[str, Case] = {}
+for _block, _bench in BENCHES.items():
+    for _name, _case in getattr(_bench, "CASES", {}).items():
+        if CASES.setdefault(_name, _case) != _case:
+            raise ValueError(f"tb_{_block}.py: CASES: {_name} is another case elsewhere")
 
 
 def case_scene(name: str, build: Path = BUILD) -> Scene:
@@ -84,8 +79,3 @@ def mutated_parts(twin: Block) -> list[str]:
         if part.block not in shown_by_frames(twin.block)
         and not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
     ]
-
-
-def proof_file(block: str) -> Path:
-    """Where the properties of a block stand."""
-    return Path(str(PROOFS[block].__file__))

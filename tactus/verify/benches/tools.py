@@ -41,12 +41,9 @@ def version(name: str) -> str:
 
 def simulator_versions() -> dict[str, str]:
     """The version number of each simulator by name, or ``none`` if it is not installed."""
-    return {
-        name: _number(version(name)) if shutil.which(program) else "none"
-        for name, (program, *_) in SIMULATORS.items()
-    }
-
-
-def _number(line: str) -> str:
-    found = re.search(r"\d+(\.\d+)+\S*", line)
-    return found[0] if found else line
+    found = {}
+    for name, (program, *_) in SIMULATORS.items():
+        line = version(name) if shutil.which(program) else "none"
+        number = re.search(r"\d+(\.\d+)+\S*", line)
+        found[name] = number[0] if number else line
+    return found

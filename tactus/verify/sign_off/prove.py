@@ -23,7 +23,7 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import processor_line, processor_minutes
 from tactus.synth.tools import digest
-from tactus.verify.benches.collected import CASES_OF, PROOFS, proof_file, properties_of
+from tactus.verify.benches.collected import CASES_OF, PROOFS, properties_of
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.sign_off import equal
 from tactus.verify.sign_off.record import (
@@ -135,8 +135,9 @@ def check_record(planned: list[Job]) -> list[str]:
         {key: one[key] for key in one if key != "depth"} for one in found.get("properties", [])
     ]
     if found and before != [_stated(job, item) for job in planned for item in properties_of(job)]:
+        file = Path(str(PROOFS[block].__file__)).name
         stale.append(
-            f"{block}: the record of {KIND} has other properties than {proof_file(block).name}; "
+            f"{block}: the record of {KIND} has other properties than {file}; "
             f"run: {PROVE.format(block)}"
         )
     return stale
@@ -164,15 +165,12 @@ def prove_blocks(blocks: list[str], record: bool) -> bool:
     for block, found in results.items():
         faults = any(result.faults for result in found)
         if record and not faults:
-            write_record(
-                KIND,
-                block,
-                {
-                    "source": source_of(planned[block]),
-                    "solver": f"z3 {version('z3-solver')}",
-                    "properties": [result.facts() for result in found],
-                },
-            )
+            facts = {
+                "source": source_of(planned[block]),
+                "solver": f"z3 {version('z3-solver')}",
+                "properties": [result.facts() for result in found],
+            }
+            write_record(KIND, block, facts)
         stale = [] if faults else check_record(planned[block])
         for line in stale:
             print(line)

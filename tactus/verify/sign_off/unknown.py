@@ -107,12 +107,6 @@ class Netlist:
             for n, bit in enumerate(cell["connections"]["Q"])
         }
 
-    @property
-    def gate_bits(self) -> int:
-        """The number of bits that all cells give together."""
-        cells = self.module["cells"].values()
-        return sum(len(cell["connections"].get("Y", "")) for cell in cells)
-
     def in_reset(self, bit: Bit) -> str:
         """The value of a net in a clock of reset: "0", "1", or "x" if it depends on registers."""
         if bit == self.rst:
@@ -207,7 +201,9 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
     ``unreset`` is a register whose reset is left out.
     """
-    large = len(netlist.flip_flops) > MOST_BITS or netlist.gate_bits > MOST_GATE_BITS
+    cells = netlist.module["cells"].values()
+    gate_bits = sum(len(cell["connections"].get("Y", "")) for cell in cells)
+    large = len(netlist.flip_flops) > MOST_BITS or gate_bits > MOST_GATE_BITS
     if large or netlist.twin.latency > MOST_CLOCKS:
         return None
     left = [register for register in netlist.registers() if register.reset and register != unreset]

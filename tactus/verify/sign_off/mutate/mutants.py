@@ -123,8 +123,3 @@ def write_netlists(
     script.write_text("\n".join(lines) + "\n", encoding="utf-8")
     run_tool("yosys", ["-q", "-s", script.name], folder)
     return paths
-
-
-def selected(command: str, width: int, number: int) -> str:
-    """The command of a mutant that is only there where it is selected."""
-    return re.sub(r"^mutate ", f"mutate -ctrl {SELECT} {width} {number} ", command)

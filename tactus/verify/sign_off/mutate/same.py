@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from tactus.synth.tools import run_tool
-from tactus.verify.sign_off.mutate.mutants import ONE_CHOICE, SELECT, selected
+from tactus.verify.sign_off.mutate.mutants import ONE_CHOICE, SELECT
 
 SAME, OTHER, OPEN = "same", "other", "open"
 CONFLICTS, CLOCKS = 20_000, 400
@@ -160,7 +160,8 @@ def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
     """
     width = max(NARROWEST, len(commands).bit_length())
     lines = ["read_rtlil base.il"]
-    lines += [selected(command, width, n) for n, command in enumerate(commands, start=1)]
+    for n, command in enumerate(commands, start=1):
+        lines.append(f"mutate -ctrl {SELECT} {width} {n} {command.removeprefix('mutate ')}")
     lines += [ONE_CHOICE, f"hierarchy -top {entity}", "flatten", "memory_collect", "dffunmap"]
     # A part that is there twice has two selections of the same mutant.
     lines += ["opt_merge t:$eq"]

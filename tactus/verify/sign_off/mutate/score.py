@@ -46,7 +46,7 @@ from tactus.verify.sign_off.mutate.mutants import (
     write_netlists,
 )
 from tactus.verify.sign_off.mutate.replay import Trace, replay, write_trace
-from tactus.verify.sign_off.mutate.same import SAME, proved
+from tactus.verify.sign_off.mutate.same import SAME, bits_of, proved
 from tactus.verify.sign_off.record import (
     cases_line,
     chosen_blocks,
@@ -61,11 +61,6 @@ COUNT = 200
 SEED = 1
 # The bench runs on at least so many of the mutants that differ.
 SAMPLE = 3
-# The modules that answers of each kind come from.
-SCRIPTS = {
-    "replay": ("mutants", "replay"),
-    "same": ("mutants", "same"),
-}
 
 
 @dataclass(frozen=True)
@@ -243,9 +238,8 @@ def _proofs(
 
 
 def _scripts(kind: str) -> str:
-    """A digest of what the modules do from which answers of a kind come."""
-    modules = [f"{__package__}.{name}" for name in SCRIPTS[kind]]
-    return code(modules, lambda *_: False)
+    """A digest of what the modules do from which answers of a kind, "replay" or "same", come."""
+    return code([f"{__package__}.mutants", f"{__package__}.{kind}"], lambda *_: False)
 
 
 MODES = {"inv": "inverted", "const0": "stuck at 0", "const1": "stuck at 1"}
@@ -283,19 +277,13 @@ def _source_behind(parts: dict[str, str], folder: Path) -> str:
         if "src" in cell["attributes"]:
             return str(cell["attributes"]["src"]).split("|")[0]
         seen.add(name)
-        results = _bits(cell, "output")
+        results = {*bits_of(cell, "output")}
         names += [
             other
             for other, there in cells.items()
-            if other not in seen and results & _bits(there, "input")
+            if other not in seen and not results.isdisjoint(bits_of(there, "input"))
         ]
     raise AssertionError(f"{parts['cell']}: no cell with a source behind it")
-
-
-def _bits(cell: dict[str, Any], direction: str) -> set[int | str]:
-    """The nets at the ports of a cell."""
-    ports = [port for port, to in cell["port_directions"].items() if to == direction]
-    return {bit for port in ports for bit in cell["connections"][port]}
 
 
 def _place(source: str, folder: Path) -> tuple[str, str]:
@@ -365,10 +353,7 @@ def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
     found = True
 
     def work(name: str, job: Job) -> dict[str, Any]:
-        def tell(text: str) -> None:
-            print(f"{name}: {text}", flush=True)
-
-        facts = score(job, arguments.seed, tell)
+        facts = score(job, arguments.seed, lambda text: print(f"{name}: {text}", flush=True))
         if arguments.record:
             write_record("mutation", name, facts)
         return facts
