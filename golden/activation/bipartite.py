@@ -269,9 +269,7 @@ class Bipartite(ActivationBlock):
 
     @property
     def bases(self) -> tuple[int, ...]:
-        """The bases that are kept."""
-        kept = 1 << (self.reach_width - SEGMENT_WIDTH)
-        return self.table.bases[:kept]
+        return self.table.bases[: 1 << (self.reach_width - SEGMENT_WIDTH)]
 
     @property
     def corrections(self) -> tuple[int, ...]:

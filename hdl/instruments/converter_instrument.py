@@ -34,29 +34,13 @@ def converter_instrument(
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
     samples = Stream(valid=valid, data=data, last=last)
+    wires = {"miso": miso, "sclk": sclk, "cs_n": cs_n, "mosi": mosi}
+    shown = {"held": held, "winner": winner, "profile": profile}
     # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
         converter_reader(
-            clk,
-            rst,
-            samples,
-            miso=miso,
-            sclk=sclk,
-            cs_n=cs_n,
-            mosi=mosi,
-            converter_error=converter_error,
-            spec=spec.converter_reader,
+            clk, rst, samples, **wires, converter_error=converter_error, spec=spec.converter_reader
         ),
-        readout(
-            clk,
-            rst,
-            samples,
-            out,
-            frame_error=broken,
-            held=held,
-            winner=winner,
-            profile=profile,
-            spec=spec.readout,
-        ),
+        readout(clk, rst, samples, out, frame_error=broken, **shown, spec=spec.readout),
     )

@@ -21,19 +21,10 @@ def instrument(
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
     samples = Stream(valid=valid, data=data, last=last)
+    shown = {"held": held, "winner": winner, "profile": profile}
     # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
         scan_sequencer(clk, rst, samples, adc=adc, address=address, spec=spec.scan_sequencer),
-        readout(
-            clk,
-            rst,
-            samples,
-            out,
-            frame_error=broken,
-            held=held,
-            winner=winner,
-            profile=profile,
-            spec=spec.readout,
-        ),
+        readout(clk, rst, samples, out, frame_error=broken, **shown, spec=spec.readout),
     )

@@ -109,6 +109,7 @@ def uart_instrument(
     byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
     packets = Stream(valid=byte_valid, data=byte_data, ready=byte_ready)
     load, image, drawn, decided = Group(), Group(), Group(), Stream()
+    wires = {"miso": miso, "sclk": sclk, "cs_n": cs_n, "mosi": mosi}
     # Without a reload no frame is refused.
     told, lessons = {}, {}
     parts = []
@@ -172,15 +173,7 @@ def uart_instrument(
 
     return (
         converter_reader(
-            clk,
-            rst,
-            samples,
-            miso=miso,
-            sclk=sclk,
-            cs_n=cs_n,
-            mosi=mosi,
-            converter_error=missing,
-            spec=spec.converter_reader,
+            clk, rst, samples, **wires, converter_error=missing, spec=spec.converter_reader
         ),
         readout(
             clk,
