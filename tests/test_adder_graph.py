@@ -275,14 +275,9 @@ def test_results_saturate() -> None:
     assert (matrix.result_ends, rectified.result_ends) == (((-8, 7),), ((0, 7),))
 
 
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"adder_operands": 4}, "got adder_operands=4, expected 2 to 3"),
-        ({"weights": ((1, 2), (3, 1 << 60))}, "got sums of 67 bits, expected 62 at most"),
-    ],
-)
-def test_what_it_cannot_be_is_refused(changed: dict[str, object], message: str) -> None:
+def test_what_it_cannot_be_is_refused() -> None:
     matrix = ConstantMatrix(SAMPLES, WIDE, ((1, 2), (3, 4)), (0, 0), 4, 2, 4)
-    with pytest.raises(InputError, match=message):
-        replace(matrix, **changed)
+    with pytest.raises(InputError, match="got adder_operands=4, expected 2 to 3"):
+        replace(matrix, adder_operands=4)
+    with pytest.raises(InputError, match="got sums of 67 bits, expected 62 at most"):
+        replace(matrix, weights=((1, 2), (3, 1 << 60)))

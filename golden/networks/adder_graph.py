@@ -61,9 +61,6 @@ class AdderGraph(AtOnce):
     constant_nodes: int = field(default=0, kw_only=True)
     ranges: tuple[Range, ...] = field(default=(), kw_only=True)
 
-    def __post_init__(self) -> None:
-        _ = self.argmax
-
     @classmethod
     def build(
         cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str
@@ -140,10 +137,6 @@ class AdderGraph(AtOnce):
             return BipartitePair(activation, variant=activation.variant)
         return activation
 
-    def tables(self, layer: int) -> tuple[Bipartite | BipartitePair, ...]:
-        """The blocks that compute the activations of a hidden layer."""
-        return tuple(self.shared(layer, nodes) for nodes in self.groups[layer])
-
     @property
     def inputs(self) -> int:
         return self.layers[0].inputs
@@ -168,7 +161,8 @@ class AdderGraph(AtOnce):
         for n, (matrix, activations) in enumerate(zip(self.layers, self.activations, strict=False)):
             steps += [matrix, Wire(f"{len(matrix.weights)} q", matrix.out_fmt)]
             if activations:
-                steps += [Replicated(self.tables(n)), Wire(f"{len(activations)} r", RESULT)]
+                tables = tuple(self.shared(n, nodes) for nodes in self.groups[n])
+                steps += [Replicated(tables), Wire(f"{len(activations)} r", RESULT)]
         outputs = self.layers[-1]
         steps += [outputs, Wire(f"{self.outputs} y", outputs.out_fmt)]
         return Flow(tuple(steps), across=True)

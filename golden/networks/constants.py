@@ -35,10 +35,6 @@ class Layer:
             factors=tuple(self.factors[j] for j in kept),
         )
 
-    def of_inputs(self, kept: Sequence[int]) -> Layer:
-        """This layer with only some of its inputs."""
-        return replace(self, weights=tuple(tuple(row[j] for j in kept) for row in self.weights))
-
 
 def quantised(layer: Dense, precision: Precision, name: str) -> Layer:
     """A layer in the formats of a precision, normalised where the precision demands it."""
@@ -98,9 +94,13 @@ def constants_of(mlp: DenseNetwork, settings: Settings) -> Constants:
     first, second = layers_in_codes(mlp, precision)
     hidden = range(len(first.biases))
     used = used_nodes(second) if lean else list(hidden)
-    first, second = first.of_neurons(used), second.of_inputs(used)
-    nodes = _sums(first, precision.hidden_fmt, precision)
-    outputs = _sums(second, SIGNAL, precision)
+    first = first.of_neurons(used)
+    second = replace(second, weights=tuple(tuple(row[j] for j in used) for row in second.weights))
+    # The bounds of the sums of a layer are the same in every design.
+    nodes, outputs = (
+        RowSums(SIGNAL, one.fmt, fmt, precision.product_shift, one.weights, one.biases)
+        for one, fmt in ((first, precision.hidden_fmt), (second, SIGNAL))
+    )
     # The thesis' adders would wrap a sum that is too wide, and a wrapped sum is wrong.
     named = [(f"hidden node {j}", ends) for j, ends in enumerate(nodes.sum_ranges)]
     for name, ends in (*named, *(("output layer", ends) for ends in outputs.sum_ranges)):
@@ -122,9 +122,3 @@ def used_nodes(second: Layer) -> list[int]:
     """The hidden nodes that some output uses; the first alone if none does."""
     found = [j for j in range(len(second.weights[0])) if any(row[j] for row in second.weights)]
     return found or [0]
-
-
-def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> RowSums:
-    """The sums of a layer. Their bounds are the same in every design."""
-    formats = SIGNAL, layer.fmt, out_fmt, precision.product_shift
-    return RowSums(*formats, layer.weights, layer.biases)

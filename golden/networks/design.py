@@ -140,10 +140,10 @@ class Design(Network):
                     f"{cls.block}: got {got} {name} of a {shape} network, expected {most} at most"
                 )
 
-    def check_latencies(self, what: str, blocks: Sequence[Block]) -> None:
-        """All of these blocks must answer in the same clock."""
-        clocks = sorted({block.latency for block in blocks})
-        self.require(len(clocks) == 1, f"{what} of latencies {clocks}", "one latency")
+    def check_latencies(self, activations: Sequence[Block]) -> None:
+        """All activations must answer in the same clock."""
+        clocks = sorted({one.latency for one in activations})
+        self.require(len(clocks) == 1, f"activations of latencies {clocks}", "one latency")
 
     @classmethod
     def build(
@@ -198,6 +198,9 @@ class AtOnce(Design):
     decides_itself = True
     stream = "words"
     decides: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        _ = self.argmax
 
     @property
     def argmax(self) -> ArgmaxTree | None:

@@ -35,7 +35,7 @@ class Hybrid(Design):
     output_integral: OutputIntegral
 
     def __post_init__(self) -> None:
-        self.check_latencies("activations", self.activations)
+        self.check_latencies(self.activations)
 
     @classmethod
     def build(

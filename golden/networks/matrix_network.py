@@ -110,7 +110,8 @@ def compile_matrices(
         if not output:
             useless += layer.nodes - len(step.nodes(columns))
             constant += len(step.nodes(columns)) - len(step.nodes(live))
-            activations.append(step.tables(matrix))
+            tables = [step.table] * len(matrix.weights) if layer.functions else []
+            activations.append(tabled(tables, matrix.result_widths))
             given = dict(zip(live, step.given(matrix, activations[-1]), strict=True))
             left = {column: value for column, value in fixed.items() if column not in given}
             fmt = TANH_RESULT if activations[-1] else matrix.out_fmt
@@ -281,12 +282,6 @@ class _Step:
         width = (layer.high >> self.dropped).bit_length() + 1
         # The codes of a quantiser are whole numbers.
         return Fix(width, 0 if layer.cut else max(0, layer.result.frac - self.dropped))
-
-    def tables(self, matrix: ConstantMatrix) -> tuple[Bipartite, ...]:
-        """The table of each row; none where the finish of the matrix is the activation."""
-        if not self.layer.functions:
-            return ()
-        return tabled([self.table] * len(matrix.weights), matrix.result_widths)
 
     def given(self, matrix: ConstantMatrix, tables: Sequence[Bipartite]) -> list[LayerWord]:
         """The words that the next layer takes."""

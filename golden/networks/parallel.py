@@ -97,7 +97,7 @@ class Parallel(Design):
     output_neurons: tuple[Neuron, ...]
 
     def __post_init__(self) -> None:
-        self.check_latencies("activations", self.activations)
+        self.check_latencies(self.activations)
 
     @classmethod
     def build(

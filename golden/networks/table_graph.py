@@ -76,9 +76,6 @@ class TableGraph(AtOnce):
     bounds: tuple[float, ...] = field(default=(), kw_only=True)
     constant_nodes: int = field(default=0, kw_only=True)
 
-    def __post_init__(self) -> None:
-        _ = self.argmax
-
     @classmethod
     def build(
         cls, networks: Sequence[DenseNetwork], settings: Settings, arrangement: str, variant: str

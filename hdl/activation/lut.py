@@ -8,8 +8,8 @@ from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common import ops
 from hdl.common.delay import delay
+from hdl.common.requantise import scale
 from hdl.common.rom import rom
-from hdl.common.scale import scale
 from hdl.common.signals import Stream, flag, unsigned
 
 

@@ -9,8 +9,7 @@ from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common import ops
 from hdl.common.delay import delay
-from hdl.common.requantise import requantise
-from hdl.common.scale import scale
+from hdl.common.requantise import requantise, scale
 from hdl.common.signals import Stream, flag, signed, unsigned
 
 

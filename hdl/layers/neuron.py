@@ -8,8 +8,7 @@ from golden.numbers.fixed import Rounding
 from hdl.common import ops
 from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import connect, delay
-from hdl.common.requantise import requantise
-from hdl.common.scale import scale
+from hdl.common.requantise import requantise, scale
 from hdl.common.signals import fixed, signed
 
 

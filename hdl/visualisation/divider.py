@@ -5,7 +5,7 @@ from myhdl import always, always_comb, always_seq, block, concat, instances
 from golden.visualisation.divider import Divider
 from hdl.common import ops
 from hdl.common.delay import connect, delay
-from hdl.common.scale import scale
+from hdl.common.requantise import scale
 from hdl.common.signals import Stream, flag, signed, unsigned
 
 
