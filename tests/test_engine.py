@@ -39,7 +39,7 @@ from tactus.core.finding import OK, WARNING
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
-from tactus.scene.codes import hidden_saturations, range_lines, saturating
+from tactus.scene.codes import range_lines, saturating
 from tactus.verify.benches.written import scene_of, write_scene
 from tb.common.case_library import CASE
 from tb.common.cases import random_network
@@ -439,7 +439,7 @@ def test_a_scene_takes_its_ranges_from_all_recorded_frames(tmp_path: Path) -> No
     assert engine == of_frames(network, codes)
     assert scene.build(network) == engine
     assert scene.twin(lean=False).core.process(codes).tolist() == engine.process(codes).tolist()
-    lines = range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
+    lines = range_lines(scene, scene.twin().core.saturations(scene.vectors().codes))
     assert [line.split(":")[0] for line in lines] == ["layer 1", "layer 2"]
     met = engine.graph.ranges[0].met
     assert f"from the data: {met:.4g} is met, margin 2; bounds would be" in lines[0]

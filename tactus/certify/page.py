@@ -24,7 +24,7 @@ from tactus.report.measure.outcome import outcome
 from tactus.report.measure.table import Row, Table
 from tactus.report.page.summary import errors
 from tactus.scene import Scene
-from tactus.scene.codes import hidden_saturations, saturating
+from tactus.scene.codes import saturating
 from tactus.verify.benches.runner import Job
 from tactus.verify.benches.tools import simulator_versions
 from tactus.verify.distance import bounds, up
@@ -111,7 +111,7 @@ def _saturations(scene: Scene, random: Codes) -> list[str]:
     if not sentences:
         sentences.append("No output and no hidden sum saturates in a recorded frame.")
     if not scene.twin().past:
-        for layer, counts in hidden_saturations(scene, random).items():
+        for layer, counts in scene.twin().core.saturations(random).items():
             sentences.append(f"Random frames: {layer}: {int(counts.sum())} sums saturate.")
     return sentences
 

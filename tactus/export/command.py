@@ -12,7 +12,7 @@ from tactus.core.progress import stage
 from tactus.export.exporter import ORDER, compile_order, export, is_current, write_stamp
 from tactus.export.hierarchy import LANGUAGES
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene
-from tactus.scene.codes import hidden_saturations, range_lines, ranges, warn_saturating
+from tactus.scene.codes import range_lines, ranges, warn_saturating
 from tactus.scene.vectors import warn_outside
 
 # In the place of a language: every one, one after the other.
@@ -56,6 +56,6 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
         print(f"hardware.design {scene.design}: {line}")
     if scene.front_end:
         print(f"front_end: {scene.front_end.describe()}")
-    saturated = hidden_saturations(scene, scene.vectors().codes)
+    saturated = scene.twin().core.saturations(scene.vectors().codes)
     for line in [*ranges(scene), *range_lines(scene, saturated)]:
         print(line)

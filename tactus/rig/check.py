@@ -36,7 +36,7 @@ from tactus.network_files.network_file import check_targets, held_in, write_netw
 from tactus.network_files.parsed import stand_for_order
 from tactus.rig import readings, sensors_tell
 from tactus.scene import Scene, scene_names
-from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, saturating
+from tactus.scene.codes import quantised_lines, range_lines, saturating
 from tactus.scene.scale import on_readings, signals
 from tactus.scene.vectors import Recorded, read_recorded
 from tactus.train.search import random_layers
@@ -320,7 +320,7 @@ def _recorded_frames(scene: Scene) -> list[Finding]:
     findings: list[Finding] = []
     with collect_faults(findings):
         lines = quantised_lines(scene)
-        lines += range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
+        lines += range_lines(scene, scene.twin().core.saturations(scene.vectors().codes))
         findings += [Finding(OK, f"hardware.design {scene.design}", line) for line in lines]
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings

@@ -22,7 +22,7 @@ from tactus.core.table import CsvFile, write_csv_file
 from tactus.errors import held_out_rows, provenances
 from tactus.rig.smooth_map import SmoothMap, fitted, thinned
 from tactus.scene import Scene
-from tactus.scene.codes import hidden_saturations, range_lines
+from tactus.scene.codes import range_lines
 from tactus.scene.labels import decided, margins
 from tactus.scene.vectors import read_recorded
 from tactus.train.split import split_of
@@ -235,7 +235,7 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     outputs = outputs_of(scene, codes)
     distances = known.distances(seen, outputs)
     reasons = known.reasons(outputs, distances)
-    saturated = hidden_saturations(scene, samples)
+    saturated = scene.twin().core.saturations(samples)
     for layer, counts in saturated.items():
         for row in np.flatnonzero(counts):
             reasons[row] = "; ".join(filter(None, [reasons[row], f"{layer} saturates"]))

@@ -80,7 +80,7 @@ def saturating(scene: Scene) -> list[str]:
             )
     return [*sentences, *held(scene)] + [
         _counted(layer, counts, "recorded frames")
-        for layer, counts in hidden_saturations(scene, vectors.codes).items()
+        for layer, counts in scene.twin().core.saturations(vectors.codes).items()
         if counts.any()
     ]
 
@@ -110,18 +110,10 @@ def held(scene: Scene) -> list[str]:
     return sentences
 
 
-def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
-    """For each hidden layer whose range is from the data, how many sums saturate in each frame.
-
-    codes, shape (frames, inputs): Codes of the networks' inputs.
-    """
-    return scene.twin().core.saturations(codes)
-
-
 def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded frames") -> list[str]:
     """For each hidden layer in which saturation would be an error its range, and what saturates.
 
-    counts: See ``hidden_saturations``.
+    counts: What ``saturations`` of the twin gives for some frames.
     rows: What the frames are, in words.
     """
     return [

@@ -87,10 +87,6 @@ def ordered(rows: Sequence[str], place: str) -> tuple[str, ...]:
     return tuple(sorted(labels))
 
 
-def output_names(column: str, labels: Sequence[str]) -> list[str]:
-    return [f"{column} {label}" for label in labels]
-
-
 def one_hot(texts: Sequence[str], labels: Sequence[str]) -> Real:
     """For each row 1 in the column of its label and 0 in the others, shape (rows, labels)."""
     return (np.array(texts)[:, np.newaxis] == np.array(labels)).astype(np.float64)

@@ -17,7 +17,7 @@ from tactus.scene.data import check_data, check_window, data_paths, read_window
 from tactus.scene.front_end import front_end, uart, visualisation
 from tactus.scene.hardware import check_activation, demand, design_options
 from tactus.scene.keys import SCENE
-from tactus.scene.labels import output_names, read_labels
+from tactus.scene.labels import read_labels
 from tactus.scene.network import members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
@@ -97,7 +97,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
                 "data.sensors does not have"
             )
         labels = read_labels(paths, data["where"], data["classes"])
-        outputs = output_names(data["classes"], labels)
+        outputs = [f"{data['classes']} {label}" for label in labels]
         # A one-hot target of 1 is full scale.
         full_scale = dict.fromkeys(outputs, 1.0)
         read = {"outputs": outputs, "full_scale": full_scale, "labels": labels}

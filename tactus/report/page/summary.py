@@ -20,7 +20,7 @@ from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Row, Table
 from tactus.scene import Scene, thesis_figures
-from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, ranges
+from tactus.scene.codes import quantised_lines, range_lines, ranges
 from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
 from tactus.synth.cells import FAMILIES, KINDS
 from tactus.synth.timing import DEVICE_NAME, Timing, read_timing
@@ -84,7 +84,7 @@ def built(scene: Scene, design: Network) -> list[str]:
     entities = list(walk(design))
     blocks = {part.block for part in entities}
     vectors, unused = scene.vectors(), unused_text(scene)
-    saturated = hidden_saturations(scene, vectors.codes)
+    saturated = scene.twin().core.saturations(vectors.codes)
     told = [
         *(scene.choice.lines() if scene.choice else []),
         *ranges(scene),
