@@ -59,15 +59,11 @@ def hardware(tmp_path: Path) -> Engine:
     return reloadable("digit", tmp_path).twin()
 
 
-def from_bytes(hardware: Engine, image: Image) -> Engine:
-    """The hardware, running the words that it finds in the bytes of an image."""
-    return hardware.running(hardware.received(image.to_bytes()))
-
-
 def check_loaded(hardware: Engine, image: Image, alone: Engine) -> None:
     """The loaded hardware has the results of an engine of its own."""
     codes = random_codes(alone.inputs, 60)
-    assert np.array_equal(from_bytes(hardware, image).process(codes), alone.process(codes))
+    running = hardware.running(hardware.received(image.to_bytes()))
+    assert np.array_equal(running.process(codes), alone.process(codes))
 
 
 @pytest.mark.parametrize("lanes", LANE_KEYS)
@@ -75,7 +71,8 @@ def check_loaded(hardware: Engine, image: Image, alone: Engine) -> None:
 def test_what_is_loaded_computes_what_the_scene_does(name: str, lanes: int, tmp_path: Path) -> None:
     hardware = reloadable("digit", tmp_path, LANE_KEYS[lanes]).twin()
     scene = load_scene(name)
-    running = from_bytes(hardware, scene_image(scene, hardware))
+    image = scene_image(scene, hardware)
+    running = hardware.running(hardware.received(image.to_bytes()))
     codes = scene.vectors().codes
     expected = Engine.of(scene.mlps(), arrangement=scene.arrangement).process(codes)
     assert np.array_equal(running.process(codes), expected)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 import pytest
@@ -26,7 +27,6 @@ from tb.common.case_library import CASE
 
 SCENE = replace(load_scene("digit"), learning="lms")
 VECTORS = SCENE.vectors()
-SIGNAL_ENDS = SIGNAL.low, SIGNAL.high
 TARGETS = SIGNAL.quantise(VECTORS.targets)[0]
 
 
@@ -62,10 +62,8 @@ class Desk:
         theta: int = 0,
     ) -> None:
         """Send words, for so many clocks at least."""
-        nothing = (0, 0, 0)
-        for n in range(max(len(samples), len(targets), clocks)):
-            sample = samples[n] if n < len(samples) else nothing
-            target = targets[n] if n < len(targets) else nothing
+        words = zip_longest(range(clocks), samples, targets, fillvalue=(0, 0, 0))
+        for _, sample, target in words:
             self.clock(*sample, *target, theta, learn, 0)
 
     def clock(self, *row: int) -> None:
@@ -90,13 +88,14 @@ def test_the_hardware_is_the_rule(small: Scene, shipped: bool) -> None:
     twin, codes = scene.twin(), scene.vectors().codes
     desk, rng = Desk(twin), np.random.default_rng(5)
     for frame in codes[:2]:
-        known = np.clip(twin.process(frame) + rng.integers(-3000, 3001, twin.outputs), *SIGNAL_ENDS)
+        known = twin.process(frame) + rng.integers(-3000, 3001, twin.outputs)
+        known = np.clip(known, SIGNAL.low, SIGNAL.high)
         desk.show(frame, known)
     desk.learn(3 * twin.outputs)
     frame = sent(codes[0])
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)
     assert np.abs(desk.timeline.pupil.codes).min() > 0
-    theta = rng.integers(*SIGNAL_ENDS, 2 * twin.inputs)
+    theta = rng.integers(SIGNAL.low, SIGNAL.high, 2 * twin.inputs)
     desk.play([], sent(theta), clocks=60, theta=1)
     assert desk.timeline.pupil.codes.tolist() == theta.tolist()
     desk.play(frame, clocks=twin.interval + 2 * twin.inputs + 3)

@@ -17,13 +17,12 @@ class Loading:
     """The outputs of the loader in each clock, and the images that it accepts.
 
     halt, image_error: The ports of these names.
-    good: For each image that passes its check: the clock of its last byte, the header's field
-        ``before_last`` (samples of a frame minus 2), and the words.
+    good: For each image that passes its check the clock of its last byte, and its bytes.
     """
 
     halt: NDArray[np.bool_]
     image_error: NDArray[np.bool_]
-    good: list[tuple[int, int, list[int]]]
+    good: list[tuple[int, bytes]]
 
 
 @dataclass(frozen=True)
@@ -98,10 +97,10 @@ class ImageLoader(Block):
                 received.append(data)
                 whole = False
                 if last:
-                    found = self.judge(bytes(received))
-                    whole, failed = found is not None, found is None
-                    if found is not None and not clears:
-                        good.append((t, *found))
+                    whole = self.judge(bytes(received)) is not None
+                    failed = not whole
+                    if whole and not clears:
+                        good.append((t, bytes(received)))
                     received.clear()
             if clears:
                 received.clear()

@@ -23,8 +23,6 @@ class Step:
 
 
 WAIT = Step(-1, Term(Kind.WORD, -1, 0))
-
-
 # For each value the clock from which on it can be read.
 Ready = Mapping[int, int]
 

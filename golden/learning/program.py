@@ -156,10 +156,8 @@ def lesson_program(
     parts = [_frame(taught, graph, places), _keep(places)]
     parts += [_equation(sums, places) for sums in program]
     table = joined(graph.functions, taught.networks[0].segment_width)
-    words, notes, starts, alike = assembled(table, parts)
-    rates = tuple(map(tuple, constants))
-    whole = tuple(map(tuple, parts))
-    return LessonProgram(taught, rates, places, table, whole, words, notes, starts, alike)
+    rates, whole = tuple(map(tuple, constants)), tuple(map(tuple, parts))
+    return LessonProgram(taught, rates, places, table, whole, *assembled(table, parts))
 
 
 def _frame(taught: Corrected, graph: Graph, places: Places) -> list[Slot]:
@@ -186,12 +184,10 @@ def _frame(taught: Corrected, graph: Graph, places: Places) -> list[Slot]:
         sensors + k: max(0, 1 + k + PIPELINE.result_ready - len(found)) for k in range(unknowns)
     }
     steps = schedule(whole, PIPELINE, later=_LATER, early=early)
-    addresses = [*(places.samples + k for k in range(sensors))]
-    addresses += [places.theta + k for k in range(unknowns)]
-    return [
-        *found,
-        *_slots(whole, steps, names, {-1: places.samples} | dict(enumerate(addresses)), leave=True),
-    ]
+    samples = range(places.samples, places.samples + sensors)
+    theta = range(places.theta, places.theta + unknowns)
+    addresses = {-1: places.samples} | dict(enumerate([*samples, *theta]))
+    return [*found, *_slots(whole, steps, names, addresses, leave=True)]
 
 
 def _keep(places: Places) -> list[Slot]:

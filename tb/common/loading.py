@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.common.block import Block
-from golden.engine.image import Image
 from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench, Offer, Recording
@@ -101,16 +100,13 @@ def computed(engine: Engine, valid, last, load, busy, last_out, clears):
     last samples of the frames that are computed with it.
     """
     loading = engine.image_loader.process(*load, busy, clears)
-    since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
+    since = np.array([clock for clock, _ in loading.good], dtype=np.int64)
+    images = [engine.received(data) for _, data in loading.good]
     # The image that is loaded in each clock. Before the first image no frame is taken.
     place = np.searchsorted(since, np.arange(len(valid))) - 1
-    before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
+    before_last = np.array([0, *(image.inputs - 2 for image in images)])[place + 1]
     guarded = engine.frame_guard.process(valid, last, loading.halt, before_last, last_out, clears)
-    sizes, ends = engine.loaded.sizes, np.flatnonzero(guarded.done)
-    images = [
-        Image(sizes, (before + 2) % sizes.operand_words, tuple(words))
-        for _, before, words in loading.good
-    ]
+    ends = np.flatnonzero(guarded.done)
     return (
         loading,
         guarded,
