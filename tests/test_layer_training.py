@@ -332,12 +332,6 @@ def test_no_number_of_so_few_digits_is_nearer(value, most):
     assert abs(found - value) == least
 
 
-def provenance_of(path: Path) -> dict:
-    """Train a scene; its provenance."""
-    trained(path)
-    return dict(read_provenance(load_scene(str(path)).weights_paths[0]))
-
-
 def digits_of_layers(path: Path) -> int:
     """The signed digits of the codes of all weights."""
     (network,) = integer_networks("single", load_scene(str(path)).networks())
@@ -348,7 +342,8 @@ def digits_of_layers(path: Path) -> int:
 @pytest.mark.parametrize("refit", ["", "refit = true\n"])
 def test_a_network_for_classes_is_written_with_few_digits(tmp_path: Path, refit: str) -> None:
     path = write_hand(tmp_path, more=f"digits = 24\n{refit}")
-    story = provenance_of(path)
+    trained(path)
+    story = read_provenance(path.with_suffix(".npz"))
     assert story["digits"] <= 24 < story["digits_before"]
     assert digits_of_layers(path) <= 24
     assert story["validation_wrong_percent"] <= story["before_validation_wrong_percent"] + 5
@@ -356,6 +351,7 @@ def test_a_network_for_classes_is_written_with_few_digits(tmp_path: Path, refit:
 
 def test_a_network_of_several_layers_is_written_with_few_digits(tmp_path: Path) -> None:
     path = scene_of(tmp_path, "digits = 60\n")
-    story = provenance_of(path)
+    trained(path)
+    story = read_provenance(path.with_suffix(".npz"))
     assert story["digits"] <= 60 < story["digits_before"]
     assert digits_of_layers(path) <= 60

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from golden.link.packets import lesson_packet
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.monitor.board import Board
+from tactus.monitor.lessons import tour_of
 from tactus.monitor.monitor import NOT_SENT, Monitor
 from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard, TwinLessons
@@ -381,6 +383,22 @@ def test_only_the_page_itself_may_ask() -> None:
         connection.request("OPTIONS", "/teach")
         assert connection.getresponse().status == 501
     assert asked == [{}] * 4
+
+
+def test_a_tour_goes_on_behind_a_placement_that_is_refused(scene: Scene) -> None:
+    placed: list[dict[str, float]] = []
+
+    def place(known: dict[str, float]) -> None:
+        placed.append(known)
+        if len(placed) == 1:
+            raise InputError("no such placement")
+
+    tour = tour_of(Board(scene, scene), SimpleNamespace(place=place))
+    with pytest.raises(InputError, match="no such placement"):
+        next(tour)
+    rows = [one.row for one in islice(proposed(Sensitivity.of(scene, np.zeros(4))), 2)]
+    assert next(tour) == texts(scene, rows[1])
+    assert [f"{value:g}" for value in placed[1].values()] == list(texts(scene, rows[1]).values())
 
 
 CLICKS = """<script>

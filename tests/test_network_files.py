@@ -435,11 +435,6 @@ def test_a_sigmoid_alone_is_the_probability_that_it_was(tmp_path: Path) -> None:
     assert held_in(path).ending is None
 
 
-def test_an_output_that_nothing_gives_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"operator Softmax .*: gives no output 'q' of the graph"):
-        load_network(classifier(tmp_path, [SOFTMAX], "p q"), (3, 0, 2))
-
-
 def scene_of_classes(tmp_path: Path, network: Path, labels: tuple[str, ...]) -> Path:
     """A scene of three sensors and five hidden nodes, with a row for each label."""
     rows = [f"{n / 8},{-n / 8},0.25,{label}" for n, label in enumerate(labels)]

@@ -37,11 +37,15 @@ def tour_of(board: Board, simulated: TwinBoard) -> Iterator[dict[str, str]]:
     """
     scene = board.scene
     recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)))
-    for row in cycle(one.row for one in proposed(recorded)):
+
+    def placed(row: int) -> dict[str, str]:
         targets = scene.in_units(scene.vectors().targets[row])
         known = dict(zip(scene.outputs, targets.tolist(), strict=True))
         simulated.place(known)
-        yield {name: f"{value:g}" for name, value in known.items()}
+        return {name: f"{value:g}" for name, value in known.items()}
+
+    # Unlike a generator it goes on behind a placement that is refused.
+    return map(placed, cycle(one.row for one in proposed(recorded)))
 
 
 class Lessons:
@@ -131,20 +135,6 @@ class Lessons:
         """The load is no longer where it was shown."""
         self._there = None
 
-    def errors(self, course: Iterable[tuple[float, list[float]]], now: float) -> list[list[float]]:
-        """The errors of the outputs at the placement that is there, each after its time.
-
-        course: Times, and the outputs then; no outputs where the line was cut.
-        """
-        known = self._there
-        if known is None:
-            return []
-        return [
-            [round(t - now, 3), *(v - k for v, k in zip(values, known.tolist(), strict=False))]
-            for t, values in course
-            if t >= self._since
-        ]
-
     @property
     def theta(self) -> list[int]:
         """The codes of theta, in their order, as packets told them last; none before all came."""
@@ -228,7 +218,11 @@ class Lessons:
     def state(
         self, course: Iterable[tuple[float, list[float]]], now: float, learning: bool
     ) -> dict[str, Any]:
-        """What the page shows of it; see ``errors``."""
+        """What the page shows of it.
+
+        course: Times, and the outputs then; no outputs where the line was cut.
+        """
+        there = self._there
         places = self.board.decimals[len(self.board.scene.sensors) :]
         first = self.count - len(self._shown)
         return {
@@ -236,8 +230,13 @@ class Lessons:
             "shown": self.count,
             "places": self.places,
             "tour": self.tour is not None,
-            "there": self._there is not None,
-            "errors": self.errors(course, now),
+            "there": there is not None,
+            # Of the outputs at the placement that is there, each after its time.
+            "errors": [
+                [round(t - now, 3), *(v - k for v, k in zip(values, there, strict=False))]
+                for t, values in course
+                if there is not None and t >= self._since
+            ],
             "theta": self.theta,
             "corrections": self._corrections(),
             "recalibrated": self._found[1],

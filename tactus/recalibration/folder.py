@@ -1,12 +1,7 @@
 """A copy of a scene with corrected sensors: scene file, networks, provenance and recording.
 
-A correction is folded into the weights in the same way as a scale of the sensors: ``w1 (factor x +
-offset)`` is ``(w1 factor) x``, with ``w1 offset`` added to the biases. Nothing else in a network
-changes, so its hardware is as large as before, and a reloadable engine stays the same.
-
-The recording of the copy is that of the scene as the sensors would give it now: each reading is the
-one that the correction turns into the recorded reading. So the errors of the copy are those that
-remain if only gain and offset have changed.
+Each reading of the copy is the one that the correction turns into the recorded reading. So its
+errors are those that remain if only gain and offset have changed.
 """
 
 import json

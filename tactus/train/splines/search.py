@@ -1,11 +1,7 @@
 """``make train`` for networks of learned functions: the search, the choice and pruning.
 
-A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
-functions, and a random start (``tactus.train.splines``). It is trained with what the design says of
-how exact its hidden words are. The one with the least bit-true error on the validation rows is
-chosen; where the scene has classes, that is the one with the fewest wrong decisions, and hidden
-words count as exact. Then edges become straight, or are left out, where that costs next to nothing,
-and with ``training.refit`` the network is trained on with more rows.
+docs/learned-functions.md says how. A candidate has a number of hidden sums, a number of intervals
+of each input, a stiffness of its functions, and a random start.
 """
 
 from __future__ import annotations
