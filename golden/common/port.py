@@ -71,12 +71,10 @@ class Port:
 
 
 def input_port(name: str, meaning: str, kind: Fix | Unsigned | None = None) -> Port:
-    """An input port."""
     return Port(name, "in", meaning, kind)
 
 
 def output_port(name: str, meaning: str, kind: Fix | Unsigned | None = None) -> Port:
-    """An output port."""
     return Port(name, "out", meaning, kind)
 
 

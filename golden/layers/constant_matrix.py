@@ -136,12 +136,10 @@ class ConstantMatrix(Block):
 
     @property
     def row_finishes(self) -> tuple[Finish, ...]:
-        """The finish of each row."""
         return self.finishes or (Finish(),) * len(self.weights)
 
     @property
     def result_lows(self) -> tuple[int, ...]:
-        """For each row the least result."""
         return tuple(0 if f.rectified else self.out_fmt.low for f in self.row_finishes)
 
     @property

@@ -188,7 +188,6 @@ class Around(Network):
 
     @property
     def inside(self) -> Network:
-        """The network that it is around."""
         return self.network
 
     @property

@@ -92,7 +92,6 @@ def cost(part: TablePart, bits: int) -> float:
 
 
 def bits_of(words: Codes) -> int:
-    """Bits of some words."""
     return signed_width((int(words.min()), int(words.max())))
 
 

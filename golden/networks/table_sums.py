@@ -17,7 +17,6 @@ from golden.trained.dense import Dense, DenseNetwork
 from golden.trained.function import FMT, LARGEST, Function
 from golden.trained.spline_basis import DEGREE
 
-HIDDEN_LAYERS = 2
 # A hidden word reaches beyond both ends of what its sum was on recorded frames by this part of it.
 MARGIN = 0.0625
 LEAST = 2.0**-10
@@ -30,7 +29,6 @@ class Curve:
     terms: tuple[tuple[float, float, float, Function], ...]
 
     def at(self, x: Real) -> Real:
-        """The curve at each x."""
         found: Real = np.zeros_like(x)
         for weight, gain, shift, function in self.terms:
             found = found + weight * function.value(gain * x + shift)
@@ -128,7 +126,7 @@ def beside(networks: Sequence[FunctionSums]) -> FunctionSums:
 
 def learned(network: DenseNetwork) -> bool:
     """Whether it is a network of learned functions."""
-    if network.quantised or len(network.layers) != HIDDEN_LAYERS + 1:
+    if network.quantised or len(network.layers) != 3:
         return False
     copies, sums, _ = network.layers
     single = ((copies.weights != 0).sum(axis=1) == 1).all()
