@@ -206,11 +206,10 @@ class _Chain:
 def read(path: Path) -> ParsedNetwork:
     """The layers of a network that PyTorch, Keras or scikit-learn has exported.
 
-    The graph must be layers of Gemm or MatMul, each but the last followed by one of
-    ``ACTIVATIONS``, by one that becomes a table (``tactus.network_files.onnx``), or by none.
-    Before and after each of these there may be Add, Sub, Mul, Div and Scaler with constants,
-    BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At the end
-    there may be what makes a class of the values; see ``tactus.network_files.classifier``.
+    The graph must be layers of ``LINEAR``, each but the last followed by one of ``ACTIVATIONS``, by
+    one of ``EXPRESSIONS``, which become tables, or by none. Between these there may be others of
+    ``OPERATORS`` that change each value by itself or nothing, and quantisers. At the end there may
+    be what makes a class of the values; see ``tactus.network_files.classifier``.
     """
     with reading(path, "an ONNX file"):
         model = onnx.load(str(path))

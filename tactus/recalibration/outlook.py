@@ -146,10 +146,10 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
     """Rows of the recording, in the order in which they reduce the expected error most.
 
     The next row is always the one that makes the expected mean square error over the recording,
-    averaged over all outputs, the least: ``tr(M C)`` of ``tactus.recalibration.outlook``. With a
-    placement, ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. These differences say which row is
-    best; its ``C`` is computed from all chosen rows, because differences lose digits. No row is
-    proposed twice, because the network's own error there would count twice.
+    averaged over all outputs, the least: ``tr(M C)``. With a placement, ``C`` becomes ``C - C J^T
+    (S + J C J^T)^-1 J C``. These differences say which row is best; its ``C`` is computed from all
+    chosen rows, because differences lose digits. No row is proposed twice, because the network's
+    own error there would count twice.
 
     times: How often each placement will be read.
     """

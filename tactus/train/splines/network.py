@@ -116,7 +116,6 @@ class Edges:
 
     @classmethod
     def curved(cls, shape: tuple[int, int, int]) -> Edges:
-        """All edges of a network with ``shape`` are curved."""
         inputs, hidden, outputs = shape
         return cls(np.full((hidden, inputs), CURVED), np.full((outputs, hidden), CURVED))
 
