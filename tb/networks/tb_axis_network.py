@@ -254,27 +254,8 @@ def properties(twin):
         comes, value, delayed, most = "stored_valid", "stored_data", " + stored_valid", "three"
     # The first frames only serve later ones as past samples.
     yields, whole = ("yields", " with a whole past") if twin.past else ("done", "")
-    # This counts the outputs that are still to come for the frames that the network got.
-    owed = f"""
-        reg [15:0] owed = 0;
-        always @(posedge clk)
-            owed <= rst ? 0 : owed + ({yields} ? {outputs} : 0) - (result_valid ? 1 : 0);
-    """
-    network = {
-        f"The network yields {outputs} outputs for each good frame{whole} sent to it, some time "
-        "after it, and no others.": "!result_valid || owed != 0"
-    }
-    # Proved below, as "room".
+    # Proved below, as "no word lost".
     leaving = {"Only frames that are under way leave.": "!left || credit0_used != 0"}
-    counted = (
-        f"credit0_used <= {under_way}",
-        f"place < {outputs}",
-        # The outputs of every credit are still to come, in the memory, or fetched.
-        f"credit0_used * {outputs} == owed + fifo0_stored + place{delayed}",
-        f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
-        f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
-        "== fifo0_read_addr + fifo0_stored",
-    )
     items = [
         Property(
             name="ready",
@@ -297,37 +278,28 @@ def properties(twin):
             ),
         ),
         Property(
-            name="room",
-            sentence=f"The memory never holds more than its {room} words, so no result is written "
-            "over one that waits. Only frames that are under way leave.",
-            states=(f"!{comes} || fifo0_stored < {room}", "!left || credit0_used != 0"),
-            assumes=network,
-            watch=owed,
-            helps=counted,
-            free=cut,
-            reached=("left", "fifo0_stored == 2"),
-            refuted_by=(
-                (r"place == \d+\)\);", "place == 0));"),
-                (r"if \(\(done && \(!left\)\)\)", "if ((done && (!left) && (!result_valid)))"),
-                (r"fifo0_stored - 1", "fifo0_stored"),
-            ),
-            clocks=24,
-        ),
-        Property(
             name="no word lost",
             sentence="The outputs leave in the order in which they came from the network, each "
             f"once and no others. Each is offered at most {most} clocks after it came, or as soon "
-            f"as those before it have left. m_axis_tlast comes with the last of each {outputs}.",
+            f"as those before it have left. m_axis_tlast comes with the last of each {outputs}. "
+            f"The memory never holds more than its {room} words, so no result is written over one "
+            "that waits. Only frames that are under way leave.",
             states=(
+                f"!{comes} || fifo0_stored < {room}",
+                "!left || credit0_used != 0",
                 "!m_axis_tvalid || waiting != 0",
                 "!waits || m_axis_tvalid",
                 "!m_axis_tvalid || !tracked || ahead != 0 || m_axis_tdata == {{2{kept[13]}}, kept}",
                 f"!m_axis_tvalid || m_axis_tlast == (number == {outputs - 1})",
             ),
-            assumes=network,
-            # For any one word this counts how many words must leave before it.
-            watch=owed
-            + f"""
+            assumes={
+                f"The network yields {outputs} outputs for each good frame{whole} sent to it, some "
+                "time after it, and no others.": "!result_valid || owed != 0"
+            },
+            # ``owed`` counts the outputs that are still to come for the frames that the network
+            # got. For any one word ``ahead`` counts how many words must leave before it.
+            watch=f"""
+                reg [15:0] owed = 0;
                 (* anyseq *) reg pick;
                 reg tracked = 0, waits = 0;
                 reg [15:0] waiting = 0, number = 0, ahead = 0;
@@ -335,6 +307,7 @@ def properties(twin):
                 wire leaves = m_axis_tvalid && m_axis_tready;
                 wire [15:0] home = fifo0_read_addr + ahead - fifo0_full;
                 always @(posedge clk) begin
+                    owed <= rst ? 0 : owed + ({yields} ? {outputs} : 0) - (result_valid ? 1 : 0);
                     waiting <= waiting + {comes} - leaves;
                     waits <= waiting != leaves;
                     if (leaves) begin
@@ -356,7 +329,13 @@ def properties(twin):
                 end
             """,
             helps=(
-                *counted,
+                f"credit0_used <= {under_way}",
+                f"place < {outputs}",
+                # The outputs of every credit are still to come, in the memory, or fetched.
+                f"credit0_used * {outputs} == owed + fifo0_stored + place{delayed}",
+                f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
+                f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
+                "== fifo0_read_addr + fifo0_stored",
                 "waiting == fifo0_stored + fifo0_full",
                 f"number == (!fifo0_full ? place : place == 0 ? {outputs - 1} : place - 1)",
                 "!fifo0_full || closing == (place == 0)",
@@ -365,14 +344,21 @@ def properties(twin):
                 f": fifo0_memory[home >= {room} ? home - {room} : home]) == kept",
             ),
             free=cut,
-            reached=("tracked && ahead == 0 && leaves", "tracked && ahead == 1"),
+            reached=(
+                *("tracked && ahead == 0 && leaves", "tracked && ahead == 1"),
+                *("left", "fifo0_stored == 2"),
+            ),
             refuted_by=(
+                (r"place == \d+\)\);", "place == 0));"),
+                (r"if \(\(done && \(!left\)\)\)", "if ((done && (!left) && (!result_valid)))"),
+                (r"fifo0_stored - 1", "fifo0_stored"),
                 (r"fifo0_write_addr \+ 1", "fifo0_write_addr + 2"),
                 (r"memory\[fifo0_write_addr\]", "memory[0]"),
                 (r"if \(\(result_valid && \(!fifo0_take\)\)\)", "if (result_valid)"),
                 (r"else if \(\(fifo0_take && \(!result_valid\)\)\)", "else if (fifo0_take)"),
                 (r"closing <= left", "closing <= (place == 0)"),
             ),
+            clocks=24,
         ),
     ]
     inner = twin.network.input_controller

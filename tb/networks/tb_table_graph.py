@@ -12,16 +12,14 @@ from tb.common.at_once import check, random_frames
 from tb.common.bench import Bench
 from tb.common.case_library import cases
 from tb.common.stimulus import corner_frames
-from tb.common.watch import pipeline
 from tb.networks.tb_adder_graph import (
-    every_frame_is_right,
+    properties,
     recorded,
     reset_at_every_clock,
     resets_among_frames,
-    winner,
 )
 
-__all__ = ["recorded", "reset_at_every_clock", "resets_among_frames"]
+__all__ = ["properties", "recorded", "reset_at_every_clock", "resets_among_frames"]
 
 CASES = cases("table-graphs")
 # A network that finds its largest output.
@@ -53,15 +51,3 @@ async def codes_and_corners(dut):
     for gap in (0.0, 0.4):
         await check(bench, frames, gap)
     bench.finish(at_least=400)
-
-
-def properties(twin):
-    broken = (
-        (r"(delay0_taps\[0\]) <= in_valid", r"\1 <= (in_valid && !\1)"),
-        (r"(delay0_taps\[0\]) <= 0;", ""),
-    )
-    return [
-        pipeline(twin, broken),
-        *([winner(twin)] if twin.argmax else []),
-        every_frame_is_right(twin),
-    ]
