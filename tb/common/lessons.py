@@ -56,7 +56,7 @@ class Player:
     def play(
         self,
         samples: list[tuple[int, int, int]],
-        targets: list[tuple[int, int, int]],
+        targets: list[tuple[int, int, int]] | list[tuple[int, int, int, int]],
         learn: int = 1,
         clocks: int = 0,
         resets: Container[int] = (),
@@ -64,20 +64,11 @@ class Player:
     ) -> None:
         """Send words until all are sent, and for so many clocks at least.
 
-        With ``theta`` the targets are theta, and without it known outputs.
+        A target may have a bit behind it that says whether it is theta. Of those without one
+        ``theta`` says so of all.
         """
-        self.send(samples, [(*row, int(theta)) for row in targets], learn, clocks, resets)
-
-    def send(
-        self,
-        samples: list[tuple[int, int, int]],
-        targets: list[tuple[int, int, int, int]],
-        learn: int,
-        clocks: int,
-        resets: Container[int],
-    ) -> None:
-        """Like ``play``, with a bit behind each target that says whether it is theta."""
-        sent, known = Words(samples), Words(targets, bits=2)
+        bits = [row if len(row) == 4 else (*row, int(theta)) for row in targets]
+        sent, known = Words(samples), Words(list(bits), bits=2)
         for n in range(1_000_000):
             if n >= clocks and not sent.rows and not known.rows:
                 break
@@ -196,5 +187,5 @@ def traffic(player: Player, count: int, resets: bool = False) -> None:
     targets = mixed(rng, stream(count, twin.outputs, most), stream(count // 2, unknowns, most))
     clocks = 8 * (twin.interval + longest)
     at = np.flatnonzero(random_resets(rng, 60 * clocks, every=clocks)) if resets else ()
-    player.send(samples, targets, learn=1, clocks=0, resets=set(map(int, at)))
+    player.play(samples, targets, resets=set(map(int, at)))
     player.play([], [], clocks=twin.interval)

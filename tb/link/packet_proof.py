@@ -377,29 +377,31 @@ def element_by_element(twin):
     )
 
 
+def seen_since(*errors):
+    """Verilog that keeps errors up to the next packet, and that the hardware keeps the same."""
+    watch = "".join(
+        f"""
+        reg {error}_seen = 0;
+        always @(posedge clk) {error}_seen <= !rst && !begins && ({error}_seen || {error}_error);
+        """
+        for error in errors
+    )
+    return watch, tuple(f"since_packet{n}_seen == {error}_seen" for n, error in enumerate(errors))
+
+
 def lessons_told():
+    watch, helps = seen_since("line", "lesson", "learn")
     return Property(
         name="lessons are told",
         sentence="When a packet begins, it reports every error of the line, of a lesson or of a "
         "step of learning that came since the packet before, including the clock in which it "
         "begins. converter_error and learning are reported as they are.",
         states=(
-            "flags == {1'b0, learning, steps_seen || learn_error, lessons_seen || lesson_error, "
-            "lines_seen || line_error, 2'b0, converter_error}",
+            "flags == {1'b0, learning, learn_seen || learn_error, lesson_seen || lesson_error, "
+            "line_seen || line_error, 2'b0, converter_error}",
         ),
-        watch="""
-            reg lines_seen = 0, lessons_seen = 0, steps_seen = 0;
-            always @(posedge clk) begin
-                lines_seen <= !rst && !begins && (lines_seen || line_error);
-                lessons_seen <= !rst && !begins && (lessons_seen || lesson_error);
-                steps_seen <= !rst && !begins && (steps_seen || learn_error);
-            end
-        """,
-        helps=(
-            "since_packet0_seen == lines_seen",
-            "since_packet1_seen == lessons_seen",
-            "since_packet2_seen == steps_seen",
-        ),
+        watch=watch,
+        helps=helps,
         free=("begins", "complete"),
         reached=("begins && flags == 121",),
         refuted_by=(
@@ -412,30 +414,22 @@ def lessons_told():
 
 
 def nothing_untold():
+    watch, helps = seen_since("frame", "image", "line")
     return Property(
         name="nothing goes untold",
         sentence="When a packet begins, it reports every error of a frame, an image or the line "
         "that came since the packet before, including the clock in which it begins, and every "
         "frame that was refused since the frame before. converter_error is reported as it is.",
         states=(
-            "flags == {4'b0, lines_seen || line_error, images_seen || image_error, "
-            "frames_seen || late || frame_error, converter_error}",
+            "flags == {4'b0, line_seen || line_error, image_seen || image_error, "
+            "frame_seen || late || frame_error, converter_error}",
         ),
-        watch="""
-            reg lines_seen = 0, images_seen = 0, frames_seen = 0, late = 0;
-            always @(posedge clk) begin
-                lines_seen <= !rst && !begins && (lines_seen || line_error);
-                images_seen <= !rst && !begins && (images_seen || image_error);
-                frames_seen <= !rst && !begins && (frames_seen || frame_error);
-                late <= !rst && !complete && (late || frame_error);
-            end
+        watch=watch
+        + """
+            reg late = 0;
+            always @(posedge clk) late <= !rst && !complete && (late || frame_error);
         """,
-        helps=(
-            "since_packet0_seen == frames_seen",
-            "since_packet1_seen == images_seen",
-            "since_packet2_seen == lines_seen",
-            "refused_frame0_refused == late",
-        ),
+        helps=(*helps, "refused_frame0_refused == late"),
         free=("begins", "complete"),
         reached=("begins && flags == 15",),
         refuted_by=(
