@@ -171,8 +171,8 @@ class UartInstrument(ConverterInstrument):
     def image_receiver(self) -> ImageReceiver:
         """It has room for all bytes that come while the longest program in the memory runs."""
         engine = self.core
-        assert isinstance(engine, Engine)
-        assert engine.loaded
+        if not isinstance(engine, Engine) or not engine.loaded:
+            raise NotImplementedError(f"{self.entity}: {engine.entity} takes no images")
         waits = 1 << engine.loaded.sizes.program_addr_width
         return ImageReceiver(self.idle_clocks, waits // self.uart_receiver.interval + 2)
 
