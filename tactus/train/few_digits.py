@@ -239,18 +239,20 @@ def refitted(aim: Rounding, vector: Real, free: NDArray[np.bool_]) -> tuple[Real
     inverted.
     """
     at = np.flatnonzero(free)
-    value, gradient, whole = aim.objective.value_gradient_hessian(vector)
+    value = aim.objective.value(vector)
+    gradient, whole = aim.objective.gradient_hessian(vector)
     for _ in range(STEPS):
         for damping in DAMPING:
             moved = vector.copy()
             moved[at] -= np.linalg.solve(_damped(whole, at, damping), gradient[at])
             moved = aim.grid.within(moved)
-            if aim.objective.value(moved) < value:
+            new = aim.objective.value(moved)
+            if new < value:
                 break
         else:
             break
-        vector = moved
-        value, gradient, whole = aim.objective.value_gradient_hessian(vector)
+        vector, value = moved, new
+        gradient, whole = aim.objective.gradient_hessian(vector)
     return vector, _damped(whole, at, HOLD if aim.layered else DAMPING[0])
 
 

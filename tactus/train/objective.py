@@ -167,8 +167,8 @@ class Objective(Watched):
         """Value and gradient; the gradient comes from propagating the errors back."""
         return self.value(vector), 2 * self._gradient(vector)
 
-    def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
-        """The value, half its gradient and half its Hessian.
+    def gradient_hessian(self, vector: Real) -> tuple[Real, Real]:
+        """Half the gradient of the value, and half its Hessian.
 
         The Hessian is that of Gauss and Newton: the curvature of the loss by the outputs, carried
         to the weights by the derivatives of the outputs. The derivative by a weight is a product
@@ -202,7 +202,7 @@ class Objective(Watched):
         places = np.concatenate(order)
         hessian: Real = np.concatenate(rows)[np.ix_(places, places)]
         hessian += self.weight_decay * np.eye(len(vector))
-        return self.value(vector), self._gradient(vector), hessian
+        return self._gradient(vector), hessian
 
     def _gradient(self, vector: Real) -> Real:
         """Half the gradient of the value."""
@@ -263,7 +263,8 @@ def normal_equations(objective: Any, start: Real, steps: int) -> Real:
     steps: The most evaluations.
     """
     point, growth = start, 2.0
-    value, gradient, curvature = objective.value_gradient_hessian(point)
+    value = objective.value(point)
+    gradient, curvature = objective.gradient_hessian(point)
     damping = FIRST_DAMPING * float(curvature.diagonal().max())
     for _ in range(steps - 1):
         damping = max(damping, LEAST_DAMPING * float(curvature.diagonal().max()))
@@ -271,10 +272,11 @@ def normal_equations(objective: Any, start: Real, steps: int) -> Real:
         expected = -float(step @ (2 * gradient + curvature @ step))
         if expected <= objective.settled * value:
             break
-        gain = (value - objective.value(point + step)) / expected
+        new = objective.value(point + step)
+        gain = (value - new) / expected
         if gain > 0:
-            point = point + step
-            value, gradient, curvature = objective.value_gradient_hessian(point)
+            point, value = point + step, new
+            gradient, curvature = objective.gradient_hessian(point)
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             growth = 2.0
         else:

@@ -96,8 +96,8 @@ class SplineObjective(Watched):
         parts = np.split(self.freedom[: self.like.first.size], len(self.like.first))
         return [self._spread @ part[:, own] for part, own in zip(parts, self._places, strict=False)]
 
-    def value_gradient_hessian(self, parameters: Real) -> tuple[float, Real, Real]:
-        """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
+    def gradient_hessian(self, parameters: Real) -> tuple[Real, Real]:
+        """Half the gradient of the function, and half its Hessian by Gauss and Newton.
 
         The Hessian of the loss is J' J, where J has the derivatives of the outputs by the
         parameters, times the roots of the loss. In a row, each column of J is the derivative of a
@@ -123,18 +123,16 @@ class SplineObjective(Watched):
                 if k < n:
                     hessian[np.ix_(other, own)] += block.T
         if self.word_error:
-            pushed, curved = self._word_errors(network)
+            pushed, curved = self._word_errors(network, sums, slopes)
             gradient += self.freedom.T @ pushed
             hessian += self.freedom.T @ curved @ self.freedom
-        return self.value(parameters), gradient, hessian
+        return gradient, hessian
 
-    def _word_errors(self, network: SplineNetwork) -> tuple[Real, Real]:
+    def _word_errors(self, network: SplineNetwork, sums: Real, slopes: Real) -> tuple[Real, Real]:
         """Half the gradient of what errors of words add, and half its Hessian.
 
         The derivatives are those by all coefficients and biases, in the order of ``packed``.
         """
-        sums = network.sums(self._spread)
-        _, slopes = network.hidden.at(sums)
         ranges = np.ptp(sums, axis=0)
         ends = self._spread[sums.argmax(axis=0)] - self._spread[sums.argmin(axis=0)]
         steep = self._by_words(network, slopes)
